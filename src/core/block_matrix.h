@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+//
+// Sparse form-factor matrices: the stored block format, and CSR as its decoded view.
+//
+// A BlockMatrix is a list of blocks of consecutive rows. Inside a block, rows stand in tiles of R neighbouring
+// receivers that share one column list; R = 1 is CSR. With R = 8 the last tile of a block may be partly empty: its missing rows store
+// zeros. Columns are 16-bit indices into the import table of the owning system. A stored value v of row r stands for
+//   f32      v * row_scale[r]
+//   unorm16  q / 65535 * row_scale[r]
+//   sqrt8    (q / 255)^2 * row_scale[r]
+// computed as (decoded code) * row_scale in the precision of whoever decodes; row_scale also carries the repair of the row sum after quantisation:
+// the decoded row, summed in any precision and order of at least f32, never exceeds the sum that it was encoded from, nor 1.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/result.h"
+
+namespace relume {
+
+enum class ValueCodec : std::uint32_t { f32 = 0, unorm16 = 1, sqrt8 = 2 };
+
+/// Bytes of one stored value: 4, 2 or 1.
+std::size_t value_bytes(ValueCodec codec);
+
+/// No block is larger than this, so that every binding fits every device (DESIGN: maxStorageBufferRange 128 MiB on lavapipe).
+inline constexpr std::size_t kMaxBlockBytes = std::size_t{64} << 20;
+
+/// Local columns are 16 bit; a system can import at most this many senders.
+inline constexpr std::uint32_t kMaxImports = 65535;
+
+struct MatrixBlock {
+  std::uint32_t first_row = 0;  ///< row of the owning matrix
+  std::uint32_t row_count = 0;
+  std::uint32_t tile_rows = 1;  ///< R: 1 or 8
+  ValueCodec codec = ValueCodec::f32;
+  std::vector<std::uint32_t> tile_offsets;  ///< ceil(row_count / R) + 1 entries, in columns of this block
+  std::vector<std::uint16_t> columns;       ///< ascending inside a tile
+  std::vector<std::byte> values;            ///< value of (column entry c, lane l) at index c * R + l
+  std::vector<float> row_scales;            ///< row_count entries
+};
+
+struct BlockMatrix {
+  std::uint32_t rows = 0;
+  std::uint32_t columns = 0;  ///< entries of the import table
+  std::vector<MatrixBlock> blocks;
+};
+
+/// Compressed sparse rows in double precision. Columns ascend inside a row.
+struct CsrMatrix {
+  std::uint32_t rows = 0;
+  std::uint32_t columns = 0;
+  std::vector<std::uint64_t> row_offsets;  ///< rows + 1 entries
+  std::vector<std::uint32_t> column_indices;
+  std::vector<double> values;
+};
+
+struct MatrixSummary {
+  std::uint32_t rows = 0;
+  std::uint32_t columns = 0;
+  std::uint64_t nonzeros = 0;
+  std::uint64_t bytes = 0;
+  double max_row_sum = 0.0;  ///< of decoded values, in double
+};
+
+/// Appends rows one by one and cuts blocks at `max_block_bytes`. Tiles of R = 1.
+class BlockMatrixBuilder {
+ public:
+  BlockMatrixBuilder(std::uint32_t columns, ValueCodec codec, std::size_t max_block_bytes = kMaxBlockBytes);
+
+  /// `columns` ascending and below the matrix's column count, `values` finite, >= 0 and summing to <= 1 up to
+  /// rounding, of equal length. Zero values are not stored.
+  void append_row(std::span<const std::uint16_t> columns, std::span<const double> values);
+
+  BlockMatrix finish() &&;
+
+ private:
+  BlockMatrix matrix_;
+  ValueCodec codec_;
+  std::size_t max_block_bytes_;
+};
+
+/// The decoded view of any block format (R = 1 and 8, all codecs). Entries of a tile that are zero for a row are left out.
+/// The matrix must be valid (see check_block_matrix).
+CsrMatrix decode(const BlockMatrix& matrix);
+
+MatrixSummary summarise(const BlockMatrix& matrix);
+
+/// Every promise of the format: offsets monotone and in range, columns ascending and below `columns`, values and scales finite and
+/// >= 0, row sums <= 1, block sizes. The error names the block and row; `what` names the matrix.
+Result<void> check_block_matrix(const BlockMatrix& matrix, const std::string& what);
+
+}  // namespace relume

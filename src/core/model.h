@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+//
+// The model: everything that a precompute leaves behind, and all that a solve needs. It is what a .relume file holds
+// (src/FILE_FORMAT.md) and is immutable once built. Structs marked "stored" are written to the file as they are in memory.
+//
+// Positions are metres relative to Model::origin (world = origin + position).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/block_matrix.h"
+#include "core/light.h"
+#include "core/quantities.h"
+
+namespace relume {
+
+inline constexpr std::uint32_t kNone = 0xffffffffu;
+
+enum class Side : std::uint32_t { front = 0, back = 1 };  ///< front: triangle corners run counter-clockwise
+
+/// A leaf of the cluster tree: a patch of surface, nearly flat or small, of one material, one node and one side. Stored.
+struct Cluster {
+  glm::vec3 centroid{0.0f};
+  float area = 0.0f;  ///< m2
+  glm::vec3 normal{0.0f};  ///< unit, area-weighted mean
+  std::uint32_t material = 0;
+  std::array<float, 3> albedo{};    ///< of the scene that was precomputed, textures averaged, clamped to Model::max_albedo
+  std::array<float, 3> exitance{};  ///< lm/m2, of the scene that was precomputed
+  std::uint32_t node = 0;
+  Side side = Side::front;
+  std::uint32_t first_element = 0;  ///< its elements are [first_element, first_element + element_count)
+  std::uint32_t element_count = 0;
+};
+static_assert(sizeof(Cluster) == 72);
+
+/// The part of one lumel that lies on one side of all walls: the smallest piece of surface that is told apart. A lumel that a wall
+/// splits has several elements, of which the largest is its own. Stored.
+struct SurfaceElement {
+  glm::vec3 position{0.0f};  ///< a point on the surface, near the middle
+  float area = 0.0f;         ///< m2, sum over its pieces
+  glm::vec3 normal{0.0f};    ///< unit, geometric, towards the side that receives
+  std::uint32_t cluster = 0;
+  std::uint32_t first_piece = 0;
+  std::uint32_t piece_count = 0;
+};
+static_assert(sizeof(SurfaceElement) == 40);
+
+/// A triangle cut out of an occluder triangle: the geometry of an element, exactly. Corners are barycentric: point =
+/// (1 - u - v) p0 + u p1 + v p2. Stored.
+struct SurfacePiece {
+  std::uint32_t triangle = 0;  ///< index into Model::occluders.triangles
+  std::array<glm::vec2, 3> corners{};
+};
+static_assert(sizeof(SurfacePiece) == 28);
+
+enum LumelFlags : std::uint32_t {
+  kLumelInvalid = 1u << 0,  ///< most of its rays met back faces: its value is not to be shown, neighbours fill it
+  kLumelSplit = 1u << 1,    ///< a wall runs through it; the larger part was kept
+};
+
+/// One texel of the system's lightmap that carries a value; lumel i is row i of the system's gather matrix. Stored.
+struct Lumel {
+  std::uint16_t x = 0;
+  std::uint16_t y = 0;
+  std::uint32_t element = 0;
+  std::uint32_t flags = 0;
+};
+static_assert(sizeof(Lumel) == 12);
+
+/// A point and normal that the user named. Stored.
+struct Sensor {
+  glm::dvec3 position{0.0};  ///< world space, as given (before it is lifted)
+  glm::vec3 normal{0.0f};
+  std::uint32_t name = 0;  ///< index into Model::sensor_names
+};
+static_assert(sizeof(Sensor) == 40);
+
+/// Where one node's surface lies in the lightmap of a system: texel = uv * scale + offset, in lumels. Stored.
+struct LightmapChart {
+  std::uint32_t node = 0;
+  Side side = Side::front;
+  std::uint32_t uv_set = kNone;  ///< 1: the scene's TEXCOORD_1; kNone: made by Relume, (0,0)-(1,1) is the whole lightmap
+  glm::vec2 scale{1.0f};
+  glm::vec2 offset{0.0f};
+};
+static_assert(sizeof(LightmapChart) == 28);
+
+/// `system` of a SenderRef that names a sky patch.
+inline constexpr std::uint32_t kSkySystem = kNone;
+
+/// A sender: cluster `index` of system `system`, or sky patch `index`. Indices at or above the cluster count of a system are
+/// reserved for inner nodes of its cluster tree. Stored.
+struct SenderRef {
+  std::uint32_t system = 0;
+  std::uint32_t index = 0;
+  friend bool operator==(const SenderRef&, const SenderRef&) = default;
+};
+static_assert(sizeof(SenderRef) == 8);
+
+/// A group of geometry that is precomputed, stored, loaded and updated as one.
+struct System {
+  std::string name;
+  std::uint32_t lightmap_width = 0;   ///< lumels
+  std::uint32_t lightmap_height = 0;
+  std::vector<Cluster> clusters;          ///< rows of `bounce`
+  std::vector<SurfaceElement> elements;   ///< grouped by cluster
+  std::vector<SurfacePiece> pieces;       ///< grouped by element
+  std::vector<Lumel> lumels;              ///< rows [0, lumels) of `gather`
+  std::vector<Sensor> sensors;            ///< rows [lumels, lumels + sensors) of `gather`
+  std::vector<LightmapChart> charts;
+  std::vector<SenderRef> imports;  ///< what the columns of both matrices mean
+  BlockMatrix bounce;              ///< K: clusters x imports
+  BlockMatrix gather;              ///< G: (lumels, sensors) x imports
+};
+
+/// Material of the scene as far as a solve needs it.
+struct MaterialRecord {
+  std::string name;            ///< unique
+  bool double_sided = false;
+  bool possible_emitter = false;  ///< its clusters were sampled as emitters
+};
+
+/// A node of the scene that carries surfaces.
+struct NodeRecord {
+  std::string path;                 ///< unique: "a/b#2"
+  std::uint64_t geometry_hash = 0;  ///< of what the precompute depends on
+};
+
+/// The triangles that block light: all of the static scene, for shadows at run time, textures and pictures.
+struct Occluders {
+  std::vector<glm::vec3> positions;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::uint32_t> material;  ///< per triangle
+  std::vector<std::uint32_t> node;      ///< per triangle
+  std::vector<std::uint32_t> system;    ///< per triangle; kNone: has no lightmap and no clusters (it only blocks)
+  /// Lightmap coordinates in lumels of corner k of triangle t at [3 t + k], per side. `back_uv` is empty when nothing is double-sided.
+  std::vector<glm::vec2> front_uv;
+  std::vector<glm::vec2> back_uv;
+};
+
+/// A perspective camera for previews.
+struct Camera {
+  glm::dvec3 position{0.0};  ///< world space
+  glm::dvec3 forward{0.0, 0.0, -1.0};
+  glm::dvec3 up{0.0, 1.0, 0.0};
+  double vertical_field_of_view = 1.0;  ///< radians
+};
+
+/// How the model came to be. Never times or thread counts: the same input gives the same bytes.
+struct Provenance {
+  std::string scene_file;  ///< file name without its folder
+  std::string tool;        ///< "relume 0.1.0"
+  std::string ray_tracer;  ///< library, version and instruction set
+  std::string options;     ///< JSON object of all that was asked and chosen
+};
+
+struct Model {
+  glm::dvec3 origin{0.0};
+  double max_albedo = 0.95;
+  std::uint64_t geometry_hash = 0;
+  std::uint32_t sky_resolution = 0;       ///< n of core/sky.h
+  std::vector<std::uint32_t> sky_cells;   ///< sky patch p is cell sky_cells[p]; empty when no ray escaped
+  std::vector<System> systems;
+  std::vector<MaterialRecord> materials;
+  std::vector<NodeRecord> nodes;
+  std::vector<std::string> sensor_names;
+  Occluders occluders;
+  std::vector<Light> lights;             ///< of the scene, or of the stated rig
+  std::optional<Rgb> sky_radiance;       ///< cd/m2: the stated rig of an open scene that shines with nothing
+  bool lit_by_rig = false;               ///< the scene had no light and no emission
+  std::optional<Camera> camera;          ///< of the scene
+  Provenance provenance;
+};
+
+/// Clusters of all systems are numbered through, system by system: index of the first cluster of each system, and the total at the end.
+std::vector<std::uint32_t> cluster_offsets(const Model& model);
+
+/// The same for gather rows (lumels, then sensors, of each system).
+std::vector<std::uint32_t> gather_offsets(const Model& model);
+
+/// Every promise of the model: index ranges, areas, finite numbers, imports, both matrices of each system. The error names the first
+/// broken one.
+Result<void> check_model(const Model& model);
+
+}  // namespace relume

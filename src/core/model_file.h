@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+//
+// Reading and writing .relume files; the format is on src/FILE_FORMAT.md.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "core/model.h"
+#include "core/result.h"
+
+namespace relume {
+
+/// The bytes of a file that holds `model`. The same model gives the same bytes.
+std::vector<std::byte> encode_model(const Model& model);
+
+/// Verifies structure, sizes (before anything is allocated), every checksum, then check_model. `name` is used in messages.
+Result<Model> decode_model(std::span<const std::byte> bytes, const std::string& name);
+
+/// Writes to a temporary name in the same folder, syncs, renames: an existing file is replaced whole or not at all.
+Result<void> write_model(const Model& model, const std::filesystem::path& file);
+
+Result<Model> read_model(const std::filesystem::path& file);
+
+/// The same crash-safe write for any bytes; every file that Relume writes goes through it.
+Result<void> write_file(const std::filesystem::path& file, std::span<const std::byte> bytes);
+
+}  // namespace relume

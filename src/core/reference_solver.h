@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+//
+// The reference: plain, sequential, in double precision. It says what is right; nobody optimises it.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "core/block_matrix.h"
+#include "core/model.h"
+#include "core/solve.h"
+
+namespace relume {
+
+/// Decoded matrices of all systems. Columns are senders numbered through: clusters of all systems, then sky patches.
+struct ReferenceMatrices {
+  CsrMatrix bounce;  ///< clusters x senders
+  CsrMatrix gather;  ///< gather rows x senders
+};
+
+/// The model must be valid (check_model).
+ReferenceMatrices reference_matrices(const Model& model);
+
+/// One application of K: M + rho (H + K b), b = `radiosity` of the clusters followed by the sky's.
+std::vector<Rgb> bounce(const CsrMatrix& bounce_matrix, const Lighting& lighting, const std::vector<Rgb>& radiosity);
+
+/// Weights from a few products of rho K_c on ones; see ContractionBound. q < 1 is needed by solve_reference.
+ContractionBound contraction_bound(const CsrMatrix& bounce_matrix, const std::vector<Rgb>& albedo);
+
+/// Called after each bounce; return false to cancel.
+using BounceObserver = std::function<bool(std::uint32_t bounces, double error_bound)>;
+
+/// Plain bounces until the rule stops them. Refused (check_failed, with the bracket of the spectral radius) when q >= 1.
+Result<Solution> solve_reference(const CsrMatrix& bounce_matrix, const Lighting& lighting, const StopRule& rule,
+                                 const BounceObserver& observer = {});
+
+/// Irradiance (lm/m2) per gather row: I = G b.
+std::vector<Rgb> gather(const CsrMatrix& gather_matrix, const Lighting& lighting, const std::vector<Rgb>& radiosity);
+
+}  // namespace relume

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+//
+// The sky as senders: the sphere of directions cut into 6 x n x n sky patches, cells of a cube map whose face coordinates are
+// warped by tan (so that cells differ little in solid angle). Face order +X, -X, +Y, -Y, +Z, -Z.
+// With u, v in [-1, 1] after the warp (x = tan(u pi/4), y = tan(v pi/4)) the direction is the normalised
+//   +X (1, y, x)  -X (-1, y, x)  +Y (x, 1, y)  -Y (x, -1, y)  +Z (x, y, 1)  -Z (x, y, -1)
+// Cell index = (face * n + row) * n + column, row along v, column along u.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/quantities.h"
+#include "core/result.h"
+
+namespace relume {
+
+/// Index of the cell that a (not necessarily unit) direction falls into; `resolution` is n.
+std::uint32_t sky_cell(const glm::dvec3& direction, std::uint32_t resolution);
+
+/// Unit direction through the centre of a cell.
+glm::dvec3 sky_cell_direction(std::uint32_t cell, std::uint32_t resolution);
+
+/// Solid angle of a cell in steradian; all cells sum to 4 pi.
+double sky_cell_solid_angle(std::uint32_t cell, std::uint32_t resolution);
+
+/// Radiance image of the whole sphere, equirectangular: row 0 is +Y, the centre column is -Z, +X is to the right of it.
+struct EquirectangularSky {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::vector<glm::vec3> radiance;  ///< cd/m2, row by row
+};
+
+/// Either one radiance (cd/m2) from everywhere, or an image.
+using Sky = std::variant<Rgb, EquirectangularSky>;
+
+/// Mean radiance of the sky over each cell of `cells` by solid angle, times pi: what the cells send as radiosity (lm/m2).
+std::vector<Rgb> sky_radiosity(const Sky& sky, const std::vector<std::uint32_t>& cells, std::uint32_t resolution);
+
+}  // namespace relume
