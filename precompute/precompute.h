@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Scene -> model: charts, lumels, clusters, rays, rows (DESIGN of the method: precompute/README section of the project README).
+// Scene -> model: charts, lumels, clusters, rays, rows (DESIGN of the method: precompute/README section of
+// the project README).
 #pragma once
 
 #include <cstdint>
@@ -16,25 +17,27 @@
 
 namespace relume {
 
-/// A sensor as given: world space; the normal need not be unit. Lifted off a surface that it lies on or just under.
+/// A sensor as given: world space; the normal need not be unit. Lifted off a surface that it lies on or just
+/// under.
 struct SensorPoint {
   std::string name;
   glm::dvec3 position{0.0};
   glm::dvec3 normal{0.0, 1.0, 0.0};
 };
 
-/// Return false to cancel. `stage` is a human word ("rays"), `fraction` 0..1 of that stage. Called from any one thread at a time.
+/// Return false to cancel. `stage` is a human word ("rays"), `fraction` 0..1 of that stage. Called from any
+/// one thread at a time.
 using ProgressObserver = std::function<bool(std::string_view stage, double fraction)>;
 
 struct PrecomputeOptions {
-  double texel_size = 0.0;        ///< m, 0 = from the scene (about 40 k lumels)
-  double cluster_size = 0.0;      ///< m, 0 = from the scene (about 4 k clusters); never below the texel size
-  std::uint32_t quality = 512;    ///< rays per lumel; a power of two is best
+  double texel_size = 0.0;      ///< m, 0 = from the scene (about 40 k lumels)
+  double cluster_size = 0.0;    ///< m, 0 = from the scene (about 4 k clusters); never below the texel size
+  std::uint32_t quality = 512;  ///< rays per lumel; a power of two is best
   std::uint32_t sensor_quality = 0;  ///< rays per sensor, 0 = 16 x quality, at least 4096
   ValueCodec codec = ValueCodec::f32;
-  double max_albedo = 0.95;       ///< above 0, at most 0.9999
+  double max_albedo = 0.95;  ///< above 0, at most 0.9999
   std::uint64_t seed = 0;
-  std::uint32_t threads = 0;      ///< 0 = all
+  std::uint32_t threads = 0;  ///< 0 = all
   std::vector<SensorPoint> sensors;
 };
 
@@ -46,8 +49,8 @@ struct PrecomputeReport {
   std::uint64_t occlusion_rays = 0;  ///< towards emitters and between neighbours
   std::uint64_t invalid_lumels = 0;
   std::uint64_t split_lumels = 0;
-  double seconds_surfaces = 0.0;     ///< charts, lumels, clusters
-  double seconds_rays = 0.0;         ///< rays and rows
+  double seconds_surfaces = 0.0;  ///< charts, lumels, clusters
+  double seconds_rays = 0.0;      ///< rays and rows
   double seconds_total = 0.0;
   std::vector<std::string> warnings;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The one door to Embree: no other file includes it. Closest hits and occlusion against a fixed set of triangles, in robust mode, ISA pinned,
-// hits at equal distance going to the lowest triangle.
+// The one door to Embree: no other file includes it. Closest hits and occlusion against a fixed set of
+// triangles, in robust mode, ISA pinned, hits at equal distance going to the lowest triangle.
 #pragma once
 
 #include <array>
@@ -17,30 +17,36 @@
 
 namespace relume {
 
-/// Rays go in packets of this many; unused lanes have far < near.
+/// RayPacket::triangle of a ray that met nothing.
+inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
+
+/// Rays go in packets of this many; unused lanes have far < near. After closest_hits, `far` is the distance
+/// of the hit.
 inline constexpr int kPacketSize = 8;
 
 /// A packet of rays in structure-of-arrays form, and after closest_hits what they met.
 struct alignas(32) RayPacket {
   std::array<float, kPacketSize> origin_x, origin_y, origin_z, near;
   std::array<float, kPacketSize> direction_x, direction_y, direction_z, far;
-  std::array<std::uint32_t, kPacketSize> triangle;  ///< kNone: met nothing
+  std::array<std::uint32_t, kPacketSize> triangle;  ///< kNoTriangle: met nothing
   std::array<float, kPacketSize> u, v;              ///< barycentric, as SurfacePiece
 };
 
 class RayCaster {
  public:
-  /// Borrows nothing: positions and triangles are copied. Fails with out_of_memory or bad_input (no finite triangle is not an error).
+  /// Borrows nothing: positions and triangles are copied. Fails with out_of_memory or bad_input (no finite
+  /// triangle is not an error).
   static Result<RayCaster> create(std::span<const glm::vec3> positions,
                                   std::span<const std::array<std::uint32_t, 3>> triangles);
   RayCaster(RayCaster&&) noexcept;
   RayCaster& operator=(RayCaster&&) noexcept;
   ~RayCaster();
 
-  /// Every origin and direction must be finite. Directions need not be unit; distances are in multiples of them. Thread-safe.
+  /// Every origin and direction must be finite. Directions need not be unit; distances are in multiples of
+  /// them. Thread-safe.
   void closest_hits(RayPacket& packet) const;
 
-  /// Whether anything lies strictly between a and b. Thread-safe.
+  /// Whether anything lies between a and b, both of them included. Thread-safe.
   bool occluded(const glm::vec3& a, const glm::vec3& b) const;
 
   /// Library, version and instruction set, as recorded in the model.

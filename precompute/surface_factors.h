@@ -14,15 +14,18 @@ namespace relume {
 enum class FactorGrouping { node, material };
 
 struct SurfaceFactors {
-  std::vector<std::string> surfaces;               ///< node paths or material names
-  std::vector<double> areas;                       ///< m2; a double-sided surface counts both sides
-  std::vector<std::vector<double>> factors;        ///< [i][j]: fraction of what leaves i (diffusely) that arrives at j
+  std::vector<std::string> surfaces;  ///< node paths or material names
+  std::vector<double> areas;          ///< m2; a double-sided surface counts both sides
+  std::vector<std::vector<double>>
+      factors;  ///< [i][j]: fraction of what leaves i (diffusely) that arrives at j
   std::vector<std::vector<double>> standard_error;
 };
 
-/// Form factors between named surfaces by `rays` cosine-distributed rays per surface, origins spread by area (Owen-scrambled Sobol points; the standard error comes from
-/// independent scrambles). What hits a back face of a single-sided surface arrives nowhere.
-Result<SurfaceFactors> surface_factors(const Scene& scene, FactorGrouping grouping, std::uint32_t rays, std::uint64_t seed = 0,
-                                       std::uint32_t threads = 0, const ProgressObserver& observer = {});
+/// Form factors between named surfaces by `rays` cosine-distributed rays per surface, origins spread by area
+/// (Owen-scrambled Sobol points; the standard error comes from independent scrambles). What hits a back face
+/// of a single-sided surface arrives nowhere.
+Result<SurfaceFactors> surface_factors(const Scene& scene, FactorGrouping grouping, std::uint32_t rays,
+                                       std::uint64_t seed = 0, std::uint32_t threads = 0,
+                                       const ProgressObserver& observer = {});
 
 }  // namespace relume
