@@ -8,13 +8,16 @@
 //   f32      v * row_scale[r]
 //   unorm16  q / 65535 * row_scale[r]
 //   sqrt8    (q / 255)^2 * row_scale[r]
-// computed as (decoded code) * row_scale in the precision of whoever decodes; row_scale also carries the repair of the row sum after quantisation:
-// the decoded row, summed in any precision and order of at least f32, never exceeds the sum that it was encoded from, nor 1.
+// computed as (decoded code) * row_scale in the precision of whoever decodes; row_scale also carries the repair of the row sum after
+// quantisation: the values of a row, decoded in double or in IEEE f32 alike, sum to no more than the sum that the row was encoded
+// from, nor more than 1, and to less by no more than a few units in the last place of f32. (Whoever then adds n of them up in f32 adds
+// a rounding of their own, at most n 2^-24 of the sum.)
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/result.h"
@@ -66,6 +69,9 @@ struct MatrixSummary {
   double max_row_sum = 0.0;  ///< of decoded values, in double
 };
 
+/// Bytes of the four arrays of a block.
+std::size_t block_bytes(const MatrixBlock& block);
+
 /// Appends rows one by one and cuts blocks at `max_block_bytes`. Tiles of R = 1.
 class BlockMatrixBuilder {
  public:
@@ -89,7 +95,7 @@ CsrMatrix decode(const BlockMatrix& matrix);
 
 MatrixSummary summarise(const BlockMatrix& matrix);
 
-/// Every promise of the format: offsets monotone and in range, columns ascending and below `columns`, values and scales finite and
+/// Every promise of the format: blocks in order, offsets monotone and in range, columns ascending and below `columns`, values and scales finite and
 /// >= 0, row sums <= 1, block sizes. The error names the block and row; `what` names the matrix.
 Result<void> check_block_matrix(const BlockMatrix& matrix, const std::string& what);
 

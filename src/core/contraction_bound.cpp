@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
+#include <limits>
+
+#include "core/reference_solver.h"
+
+namespace relume {
+namespace {
+
+constexpr int kMaxProducts = 16;
+
+/// rho K_c v: the columns at and above the rows are sky patches, which do not feed back.
+std::vector<Rgb> multiply(const CsrMatrix& matrix, const std::vector<Rgb>& albedo,
+                          const std::vector<Rgb>& v) {
+  std::vector<Rgb> product(matrix.rows, Rgb(0.0));
+  for (std::uint32_t row = 0; row < matrix.rows; ++row) {
+    Rgb sum(0.0);
+    for (std::uint64_t entry = matrix.row_offsets[row]; entry < matrix.row_offsets[row + 1]; ++entry) {
+      const std::uint32_t column = matrix.column_indices[entry];
+      if (column < matrix.rows) sum += matrix.values[entry] * v[column];
+    }
+    product[row] = albedo[row] * sum;
+  }
+  return product;
+}
+
+Rgb largest(const std::vector<Rgb>& values) {
+  Rgb result(0.0);
+  for (const Rgb& value : values) result = glm::max(result, value);
+  return result;
+}
+
+/// max_i (rho K_c v)_i / v_i per channel.
+Rgb upper_quotient(const std::vector<Rgb>& product, const std::vector<Rgb>& v) {
+  Rgb quotient(0.0);
+  for (std::size_t i = 0; i < v.size(); ++i) quotient = glm::max(quotient, product[i] / v[i]);
+  return quotient;
+}
+
+/// Keeps, channel by channel, the weights of the smaller quotient.
+void keep_better(const std::vector<Rgb>& v, const Rgb& quotient, ContractionBound& bound) {
+  for (int channel = 0; channel < 3; ++channel) {
+    if (quotient[channel] >= bound.quotient[channel]) continue;
+    bound.quotient[channel] = quotient[channel];
+    for (std::size_t i = 0; i < v.size(); ++i) bound.weights[i][channel] = v[i][channel];
+  }
+}
+
+/// The next weights: the product, brought to a largest entry of 1, plus a share of ones. The share keeps
+/// weights of surfaces that the slowest mode does not reach from vanishing (their errors would be divided by
+/// nothing); a tenth of the gap to 1 hardly blunts the quotient.
+std::vector<Rgb> next_weights(const std::vector<Rgb>& product, const Rgb& quotient) {
+  const Rgb top = largest(product);
+  std::vector<Rgb> v(product.size());
+  for (int channel = 0; channel < 3; ++channel) {
+    const double share = std::clamp(0.1 * (1.0 - quotient[channel]), 1e-6, 0.1);
+    const double scale = top[channel] > 0.0 ? 1.0 / top[channel] : 0.0;
+    const double normalise = scale > 0.0 ? 1.0 / (1.0 + share) : 1.0 / share;
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      v[i][channel] = (product[i][channel] * scale + share) * normalise;
+    }
+  }
+  return v;
+}
+
+/// min over i of (rho K_c x)_i / x_i, x = the weights of clusters that reflect and are at least `threshold`:
+/// a lower end of the spectral radius for any x >= 0 other than 0 (L. Collatz, 1942; H. Wielandt, 1950).
+Rgb lower_quotient(const CsrMatrix& matrix, const std::vector<Rgb>& albedo, const std::vector<Rgb>& weights,
+                   double threshold) {
+  std::vector<Rgb> x(weights.size());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    for (int channel = 0; channel < 3; ++channel) {
+      const bool counts = albedo[i][channel] > 0.0 && weights[i][channel] >= threshold;
+      x[i][channel] = counts ? weights[i][channel] : 0.0;
+    }
+  }
+  const std::vector<Rgb> product = multiply(matrix, albedo, x);
+  Rgb result(0.0);
+  for (int channel = 0; channel < 3; ++channel) {
+    double lowest = -1.0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      if (x[i][channel] <= 0.0) continue;
+      const double quotient = product[i][channel] / x[i][channel];
+      lowest = lowest < 0.0 ? quotient : std::min(lowest, quotient);
+    }
+    result[channel] = std::max(lowest, 0.0);
+  }
+  return result;
+}
+
+/// How much the sums of positive terms in a product can be rounded, relatively.
+double rounding(const CsrMatrix& matrix) {
+  std::uint64_t longest = 0;
+  for (std::uint32_t row = 0; row < matrix.rows; ++row) {
+    longest = std::max(longest, matrix.row_offsets[row + 1] - matrix.row_offsets[row]);
+  }
+  return static_cast<double>(longest + 4) * std::numeric_limits<double>::epsilon();
+}
+
+bool settled(const Rgb& quotient, const Rgb& previous) {
+  return glm::all(glm::lessThanEqual(previous - quotient, 0.01 * glm::abs(1.0 - quotient)));
+}
+
+}  // namespace
+
+ContractionBound contraction_bound(const CsrMatrix& bounce_matrix, const std::vector<Rgb>& albedo) {
+  ContractionBound bound;
+  bound.weights.assign(bounce_matrix.rows, Rgb(1.0));
+  std::vector<Rgb> product = multiply(bounce_matrix, albedo, bound.weights);
+  bound.quotient = upper_quotient(product, bound.weights);
+  Rgb previous = bound.quotient;
+  for (int k = 1; k < kMaxProducts; ++k) {
+    const std::vector<Rgb> v = next_weights(product, bound.quotient);
+    product = multiply(bounce_matrix, albedo, v);
+    const Rgb quotient = upper_quotient(product, v);
+    keep_better(v, quotient, bound);
+    if (k > 3 && settled(quotient, previous)) break;
+    previous = quotient;
+  }
+  bound.quotient *= 1.0 + rounding(bounce_matrix);
+  bound.lower_quotient = glm::max(lower_quotient(bounce_matrix, albedo, bound.weights, 0.0),
+                                  lower_quotient(bounce_matrix, albedo, bound.weights, 0.1));
+  return bound;
+}
+
+}  // namespace relume

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#include <cstring>
+
+#include "core/model_file.h"
+#include "core/model_sections.h"
+#include "core/section_table.h"
+
+namespace relume {
+namespace {
+
+using namespace sections;
+
+/// Values and strings one after the other, without padding. A string is its length in 32 bits and its bytes.
+class ByteWriter {
+ public:
+  template <class T>
+  void put(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    append(std::as_bytes(std::span(&value, 1)));
+  }
+  void put(const std::string& text) {
+    put(static_cast<std::uint32_t>(text.size()));
+    append(std::as_bytes(std::span(text)));
+  }
+  template <class T>
+  void put_padded(const std::vector<T>& values) {
+    append(std::as_bytes(std::span(values)));
+    bytes_.resize((bytes_.size() + 3) / 4 * 4);
+  }
+  std::span<const std::byte> bytes() const { return bytes_; }
+
+ private:
+  void append(std::span<const std::byte> more) { bytes_.insert(bytes_.end(), more.begin(), more.end()); }
+
+  std::vector<std::byte> bytes_;
+};
+
+void add_info(const Model& model, SectionWriter& file) {
+  ByteWriter info;
+  const std::uint32_t flags = (model.lit_by_rig ? kInfoLitByRig : 0u) |
+                              (model.sky_radiance ? kInfoHasSky : 0u) | (model.camera ? kInfoHasCamera : 0u);
+  info.put(model.origin);
+  info.put(model.max_albedo);
+  info.put(model.geometry_hash);
+  info.put(model.sky_resolution);
+  info.put(static_cast<std::uint32_t>(model.systems.size()));
+  info.put(flags);
+  info.put(std::uint32_t{0});
+  info.put(model.sky_radiance.value_or(Rgb(0.0)));
+  const Camera camera = model.camera.value_or(Camera{});
+  info.put(camera.position);
+  info.put(camera.forward);
+  info.put(camera.up);
+  info.put(camera.vertical_field_of_view);
+  info.put(model.provenance.scene_file);
+  info.put(model.provenance.tool);
+  info.put(model.provenance.ray_tracer);
+  info.put(model.provenance.options);
+  file.add(kInfo, kNone, info.bytes());
+}
+
+void add_lights(const std::vector<Light>& lights, SectionWriter& file) {
+  ByteWriter records;
+  for (const Light& light : lights) {
+    records.put(light.type);
+    records.put(light.intensity);
+    records.put(light.position);
+    records.put(light.direction);
+    records.put(light.range);
+    records.put(light.inner_cone_angle);
+    records.put(light.outer_cone_angle);
+    records.put(light.name);
+  }
+  file.add(kLights, kNone, records.bytes());
+}
+
+void add_named_records(const Model& model, SectionWriter& file) {
+  ByteWriter materials, nodes, sensors;
+  for (const MaterialRecord& material : model.materials) {
+    materials.put((material.double_sided ? kMaterialDoubleSided : 0u) |
+                  (material.possible_emitter ? kMaterialPossibleEmitter : 0u));
+    materials.put(material.name);
+  }
+  for (const NodeRecord& node : model.nodes) {
+    nodes.put(node.geometry_hash);
+    nodes.put(node.path);
+  }
+  for (const std::string& name : model.sensor_names) sensors.put(name);
+  file.add(kMaterials, kNone, materials.bytes());
+  file.add(kNodes, kNone, nodes.bytes());
+  file.add(kSensorNames, kNone, sensors.bytes());
+}
+
+void add_occluders(const Occluders& occluders, SectionWriter& file) {
+  file.add_array(kOccluderPositions, kNone, occluders.positions);
+  file.add_array(kOccluderTriangles, kNone, occluders.triangles);
+  file.add_array(kOccluderMaterials, kNone, occluders.material);
+  file.add_array(kOccluderNodes, kNone, occluders.node);
+  file.add_array(kOccluderSystems, kNone, occluders.system);
+  file.add_array(kOccluderFrontUv, kNone, occluders.front_uv);
+  file.add_array(kOccluderBackUv, kNone, occluders.back_uv);
+}
+
+void add_matrix(const BlockMatrix& matrix, std::string_view id, std::uint32_t owner, SectionWriter& file) {
+  for (const MatrixBlock& block : matrix.blocks) {
+    ByteWriter bytes;
+    bytes.put(BlockHeader{block.first_row, block.row_count, block.tile_rows,
+                          static_cast<std::uint32_t>(block.codec),
+                          static_cast<std::uint32_t>(block.tile_offsets.size()),
+                          static_cast<std::uint32_t>(block.columns.size())});
+    bytes.put_padded(block.tile_offsets);
+    bytes.put_padded(block.columns);
+    bytes.put_padded(block.values);
+    bytes.put_padded(block.row_scales);
+    file.add(id, owner, bytes.bytes());
+  }
+}
+
+void add_system(const System& system, std::uint32_t index, SectionWriter& file) {
+  ByteWriter head;
+  head.put(system.lightmap_width);
+  head.put(system.lightmap_height);
+  head.put(system.name);
+  file.add(kSystem, index, head.bytes());
+  file.add_array(kClusters, index, system.clusters);
+  file.add_array(kElements, index, system.elements);
+  file.add_array(kPieces, index, system.pieces);
+  file.add_array(kLumels, index, system.lumels);
+  file.add_array(kSensors, index, system.sensors);
+  file.add_array(kCharts, index, system.charts);
+  file.add_array(kImports, index, system.imports);
+  add_matrix(system.bounce, kBounceBlock, index, file);
+  add_matrix(system.gather, kGatherBlock, index, file);
+}
+
+}  // namespace
+
+std::vector<std::byte> encode_model(const Model& model) {
+  SectionWriter file;
+  add_info(model, file);
+  file.add_array(kSkyCells, kNone, model.sky_cells);
+  add_named_records(model, file);
+  add_lights(model.lights, file);
+  add_occluders(model.occluders, file);
+  for (std::size_t index = 0; index < model.systems.size(); ++index) {
+    add_system(model.systems[index], static_cast<std::uint32_t>(index), file);
+  }
+  return std::move(file).finish();
+}
+
+}  // namespace relume

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+#include "core/section_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+namespace relume {
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "files are little-endian and read as they are in memory");
+
+std::uint64_t align_up(std::uint64_t offset) {
+  return (offset + kSectionAlignment - 1) / kSectionAlignment * kSectionAlignment;
+}
+
+std::uint64_t checksum_of(std::span<const std::byte> bytes) {
+  return XXH3_64bits(bytes.data(), bytes.size());
+}
+
+/// Checksum of header (its checksum field zero) and table.
+std::uint64_t table_checksum(FileHeader header, std::span<const SectionRecord> records) {
+  header.checksum = 0;
+  std::vector<std::byte> bytes(sizeof header + records.size_bytes());
+  std::memcpy(bytes.data(), &header, sizeof header);
+  if (!records.empty()) std::memcpy(bytes.data() + sizeof header, records.data(), records.size_bytes());
+  return checksum_of(bytes);
+}
+
+tl::unexpected<Error> malformed(const std::string& name, const std::string& sentence) {
+  return fail(ErrorCode::bad_input, name + ": " + sentence);
+}
+
+Result<FileHeader> read_header(std::span<const std::byte> bytes, const std::string& name) {
+  FileHeader header;
+  if (bytes.size() < sizeof header) {
+    return malformed(
+        name, fmt::format("expected a header of {} bytes, found a file of {}", sizeof header, bytes.size()));
+  }
+  std::memcpy(&header, bytes.data(), sizeof header);
+  if (header.magic != kFileMagic) {
+    return malformed(
+        name, "byte 0: expected 'RELUME' as the first letters of a .relume file, found something else");
+  }
+  if (header.version != kFileVersion) {
+    return malformed(name,
+                     fmt::format("byte 8: expected file version {}, found {}", kFileVersion, header.version));
+  }
+  if (header.file_bytes != bytes.size()) {
+    return malformed(name, fmt::format("byte 16: expected {} bytes in the file, found {}", header.file_bytes,
+                                       bytes.size()));
+  }
+  return header;
+}
+
+Result<std::vector<SectionRecord>> read_table(std::span<const std::byte> bytes, const FileHeader& header,
+                                              const std::string& name) {
+  const std::uint64_t table_bytes = std::uint64_t{header.section_count} * sizeof(SectionRecord);
+  if (table_bytes > bytes.size() - sizeof header) {
+    return malformed(name, fmt::format("byte 12: expected room for {} sections, found a file of {} bytes",
+                                       header.section_count, bytes.size()));
+  }
+  std::vector<SectionRecord> records(header.section_count);
+  if (!records.empty()) std::memcpy(records.data(), bytes.data() + sizeof header, table_bytes);
+  const std::uint64_t found = table_checksum(header, records);
+  if (found != header.checksum) {
+    return malformed(
+        name, fmt::format("byte 24: expected checksum {:016x} of header and section table, found {:016x}",
+                          header.checksum, found));
+  }
+  return records;
+}
+
+Result<void> check_record(const SectionRecord& record, std::uint64_t expected_offset,
+                          std::uint64_t file_bytes, const std::string& name) {
+  if ((record.flags & ~kSectionOptional) != 0 || record.reserved != 0) {
+    return malformed(name, fmt::format("section {}: expected known flags, found {:#x} and {:#x}",
+                                       describe(record), record.flags, record.reserved));
+  }
+  if (record.offset != expected_offset) {
+    return malformed(name, fmt::format("section {}: expected it at byte {}, right after the one before",
+                                       describe(record), expected_offset));
+  }
+  if (record.length == 0 || record.offset > file_bytes || record.length > file_bytes - record.offset) {
+    return malformed(name, fmt::format("section {}: expected 1 to {} bytes, found {}", describe(record),
+                                       file_bytes - std::min(record.offset, file_bytes), record.length));
+  }
+  return {};
+}
+
+Result<void> check_padding(std::span<const std::byte> bytes, std::uint64_t begin, std::uint64_t end,
+                           const std::string& name) {
+  for (std::uint64_t offset = begin; offset < std::min<std::uint64_t>(end, bytes.size()); ++offset) {
+    if (bytes[offset] == std::byte{0}) continue;
+    return malformed(name, fmt::format("byte {}: expected 0 between sections, found {}", offset,
+                                       std::to_integer<int>(bytes[offset])));
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string describe(const SectionRecord& record) {
+  std::string id;
+  for (const char letter : record.id) id += letter >= ' ' && letter <= '~' ? letter : '?';
+  const std::string owner =
+      record.owner == 0xffffffffu ? "of the model" : fmt::format("of system {}", record.owner);
+  return fmt::format("'{}' {} at byte {}", id, owner, record.offset);
+}
+
+void SectionWriter::add(std::string_view id, std::uint32_t owner, std::span<const std::byte> bytes,
+                        std::uint32_t flags) {
+  assert(id.size() == 4);
+  if (bytes.empty()) return;
+  SectionRecord record;
+  std::copy(id.begin(), id.end(), record.id.begin());
+  record.owner = owner;
+  record.flags = flags;
+  record.offset = align_up(body_.size());
+  record.length = bytes.size();
+  record.checksum = checksum_of(bytes);
+  body_.resize(record.offset);
+  body_.insert(body_.end(), bytes.begin(), bytes.end());
+  records_.push_back(record);
+}
+
+std::vector<std::byte> SectionWriter::finish() && {
+  FileHeader header;
+  header.section_count = static_cast<std::uint32_t>(records_.size());
+  const std::uint64_t table_end = sizeof header + records_.size() * sizeof(SectionRecord);
+  const std::uint64_t body_begin = align_up(table_end);
+  for (SectionRecord& record : records_) record.offset += body_begin;
+  header.file_bytes = body_begin + body_.size();
+  header.checksum = table_checksum(header, records_);
+
+  std::vector<std::byte> file(body_begin);
+  std::memcpy(file.data(), &header, sizeof header);
+  if (!records_.empty()) std::memcpy(file.data() + sizeof header, records_.data(), table_end - sizeof header);
+  file.insert(file.end(), body_.begin(), body_.end());
+  return file;
+}
+
+Result<std::vector<Section>> read_sections(std::span<const std::byte> bytes, const std::string& name) {
+  const auto header = read_header(bytes, name);
+  if (!header) return tl::unexpected(header.error());
+  const auto records = read_table(bytes, *header, name);
+  if (!records) return tl::unexpected(records.error());
+
+  std::vector<Section> sections;
+  std::uint64_t end = sizeof(FileHeader) + records->size() * sizeof(SectionRecord);
+  for (const SectionRecord& record : *records) {
+    const std::uint64_t begin = align_up(end);
+    if (auto checked = check_record(record, begin, bytes.size(), name); !checked)
+      return tl::unexpected(checked.error());
+    if (auto checked = check_padding(bytes, end, begin, name); !checked)
+      return tl::unexpected(checked.error());
+    const auto content = bytes.subspan(record.offset, record.length);
+    if (const std::uint64_t found = checksum_of(content); found != record.checksum) {
+      return malformed(name, fmt::format("section {}: expected checksum {:016x}, found {:016x}",
+                                         describe(record), record.checksum, found));
+    }
+    sections.push_back({record, content});
+    end = record.offset + record.length;
+  }
+  if (end != bytes.size()) {
+    return malformed(name, fmt::format("byte {}: expected the end of the file, found {} bytes more", end,
+                                       bytes.size() - end));
+  }
+  return sections;
+}
+
+}  // namespace relume

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+//
+// The container of a .relume file: a header, a table of sections, the sections (src/FILE_FORMAT.md). Knows
+// nothing of what they hold.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "core/result.h"
+
+namespace relume {
+
+inline constexpr std::array<char, 8> kFileMagic = {'R', 'E', 'L', 'U', 'M', 'E', '\x1a', '\n'};
+inline constexpr std::uint32_t kFileVersion = 1;
+inline constexpr std::size_t kSectionAlignment = 64;
+
+/// A reader that does not know a section with this flag may skip it (after it has verified its checksum).
+inline constexpr std::uint32_t kSectionOptional = 1u << 0;
+
+struct FileHeader {
+  std::array<char, 8> magic = kFileMagic;
+  std::uint32_t version = kFileVersion;
+  std::uint32_t section_count = 0;
+  std::uint64_t file_bytes = 0;
+  std::uint64_t checksum = 0;  ///< XXH3-64 of header and table, taken with this field zero
+};
+static_assert(sizeof(FileHeader) == 32);
+
+struct SectionRecord {
+  std::array<char, 4> id{};
+  std::uint32_t owner = 0;  ///< system, or 0xffffffff: the whole model
+  std::uint32_t flags = 0;
+  std::uint32_t reserved = 0;  ///< zero
+  std::uint64_t offset = 0;    ///< from the beginning of the file, a multiple of kSectionAlignment
+  std::uint64_t length = 0;    ///< bytes, above zero
+  std::uint64_t checksum = 0;  ///< XXH3-64 of the section's bytes
+};
+static_assert(sizeof(SectionRecord) == 40);
+
+/// A section as it is read: `bytes` points into the file's bytes.
+struct Section {
+  SectionRecord record;
+  std::span<const std::byte> bytes;
+};
+
+/// "'CLUS' of system 0 at byte 4096", for messages.
+std::string describe(const SectionRecord& record);
+
+/// Collects sections and lays out the file. Empty sections are left out.
+class SectionWriter {
+ public:
+  void add(std::string_view id, std::uint32_t owner, std::span<const std::byte> bytes,
+           std::uint32_t flags = 0);
+
+  template <class T>
+  void add_array(std::string_view id, std::uint32_t owner, const std::vector<T>& values) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    add(id, owner, std::as_bytes(std::span(values)));
+  }
+
+  /// The bytes of the file.
+  std::vector<std::byte> finish() &&;
+
+ private:
+  std::vector<SectionRecord> records_;
+  std::vector<std::byte> body_;
+};
+
+/// Verifies header, table, layout (no holes, no overlaps, padding of zeros) and every checksum. `name` is
+/// used in messages.
+Result<std::vector<Section>> read_sections(std::span<const std::byte> bytes, const std::string& name);
+
+}  // namespace relume

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+//
+// What the codes of a ValueCodec stand for, before they are multiplied by the scale of their row.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+
+#include "core/block_matrix.h"
+
+namespace relume {
+
+/// Largest code of a quantised codec.
+inline constexpr double kUnorm16Max = 65535.0;
+inline constexpr double kSqrt8Max = 255.0;
+
+/// Stored value number `index` of `values`, without the scale of its row.
+inline double unscaled_value(ValueCodec codec, std::span<const std::byte> values, std::size_t index) {
+  if (codec == ValueCodec::f32) {
+    float value = 0.0f;
+    std::memcpy(&value, values.data() + index * sizeof value, sizeof value);
+    return value;
+  }
+  if (codec == ValueCodec::unorm16) {
+    std::uint16_t code = 0;
+    std::memcpy(&code, values.data() + index * sizeof code, sizeof code);
+    return code / kUnorm16Max;
+  }
+  const double root = std::to_integer<int>(values[index]) / kSqrt8Max;
+  return root * root;
+}
+
+}  // namespace relume
