@@ -84,8 +84,7 @@ int create_temporary(const fs::path& file, fs::path& temporary) {
   constexpr int kAttempts = 100;
   int descriptor = -1;
   for (int attempt = 0; attempt < kAttempts && descriptor < 0; ++attempt) {
-    temporary =
-        file.parent_path() / fmt::format(".{}.{}-{}.tmp", file.filename().string(), ::getpid(), attempt);
+    temporary = file.parent_path() / fmt::format(".relume-{}-{}.tmp", ::getpid(), attempt);
     descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor < 0 && errno != EEXIST) break;
   }

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+//
+// What check_model and check_system share.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <utility>
+
+#include "core/model.h"
+
+namespace relume {
+
+/// The promises of system `index`; those of the occluders are checked before.
+Result<void> check_system(const Model& model, std::size_t index);
+
+template <class... Values>
+tl::unexpected<Error> broken_model(fmt::format_string<Values...> sentence, Values&&... values) {
+  return fail(ErrorCode::check_failed, "model: " + fmt::format(sentence, std::forward<Values>(values)...));
+}
+
+template <int N, class T>
+bool finite(const glm::vec<N, T>& v) {
+  for (int k = 0; k < N; ++k) {
+    if (!std::isfinite(v[k])) return false;
+  }
+  return true;
+}
+
+/// Of length 1, as far as 32 bits can say.
+template <class T>
+bool unit(const glm::vec<3, T>& v) {
+  return finite(v) && std::abs(glm::length(glm::dvec3(v)) - 1.0) < 1e-3;
+}
+
+}  // namespace relume
