@@ -103,19 +103,6 @@ double relative_change(const std::vector<Rgb>& before, const std::vector<Rgb>& a
   return worst_ratio(Rgb(std::max({change.x, change.y, change.z})), Rgb(std::max({top.x, top.y, top.z})));
 }
 
-Result<void> check_contraction(const ContractionBound& contraction) {
-  for (int channel = 0; channel < 3; ++channel) {
-    if (contraction.quotient[channel] < 1.0) continue;
-    return fail(
-        ErrorCode::check_failed,
-        fmt::format(
-            "the bounces may not converge: in channel {} the spectral radius of albedo x form factors lies "
-            "between {:.6g} and {:.6g}, expected below 1",
-            channel, contraction.lower_quotient[channel], contraction.quotient[channel]));
-  }
-  return {};
-}
-
 Result<void> check_shapes(const CsrMatrix& matrix, const Lighting& lighting) {
   const std::size_t clusters = matrix.rows;
   const bool fits = lighting.albedo.size() == clusters && lighting.exitance.size() == clusters &&
@@ -154,6 +141,19 @@ std::vector<Rgb> bounce(const CsrMatrix& bounce_matrix, const Lighting& lighting
     result[row] = lighting.exitance[row] + lighting.albedo[row] * irradiance;
   }
   return result;
+}
+
+Result<void> check_contraction(const ContractionBound& contraction) {
+  for (int channel = 0; channel < 3; ++channel) {
+    if (contraction.quotient[channel] < 1.0) continue;
+    return fail(
+        ErrorCode::check_failed,
+        fmt::format(
+            "the bounces may not converge: in channel {} the spectral radius of albedo x form factors lies "
+            "between {:.6g} and {:.6g}, expected below 1",
+            channel, contraction.lower_quotient[channel], contraction.quotient[channel]));
+  }
+  return {};
 }
 
 Result<Solution> solve_reference(const CsrMatrix& bounce_matrix, const Lighting& lighting,

@@ -27,10 +27,13 @@ std::vector<Rgb> bounce(const CsrMatrix& bounce_matrix, const Lighting& lighting
 /// Weights from a few products of rho K_c on ones; see ContractionBound. q < 1 is needed by solve_reference.
 ContractionBound contraction_bound(const CsrMatrix& bounce_matrix, const std::vector<Rgb>& albedo);
 
+/// Refuses (check_failed, with the bracket of the spectral radius) when q >= 1 in any channel.
+Result<void> check_contraction(const ContractionBound& contraction);
+
 /// Called after each bounce; return false to cancel.
 using BounceObserver = std::function<bool(std::uint32_t bounces, double error_bound)>;
 
-/// Plain bounces until the rule stops them. Refused (check_failed, with the bracket of the spectral radius) when q >= 1.
+/// Plain bounces until the rule stops them. Refused by check_contraction when q >= 1.
 Result<Solution> solve_reference(const CsrMatrix& bounce_matrix, const Lighting& lighting, const StopRule& rule,
                                  const BounceObserver& observer = {});
 
