@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+//
+// The descriptor sets of a solver, from a pool of its own: written once when the buffers are bound and never
+// again, so that recording needs no extension and command buffers in flight share them.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "compute/device_functions.h"
+#include "compute/gpu_solver.h"
+#include "compute/pipelines.h"
+#include "compute/solver_layout.h"
+
+namespace relume {
+
+struct SystemSets {
+  std::array<VkDescriptorSet, 2> system{};  ///< by the half that is written
+  std::vector<VkDescriptorSet> bounce;      ///< per block
+  std::vector<VkDescriptorSet> gather;      ///< per block
+};
+
+struct DescriptorSets {
+  VulkanHandle<VkDescriptorPool> pool;
+  std::array<VkDescriptorSet, 2> solve{};  ///< by the half that is read
+  std::vector<SystemSets> systems;
+};
+
+/// `ranges` has one entry per buffer of the layout.
+Result<DescriptorSets> make_descriptor_sets(const HostDevice& host, const DeviceFunctions& functions,
+                                            const Pipelines& pipelines, const SolverLayout& layout,
+                                            std::span<const BufferRange> ranges);
+
+}  // namespace relume

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "compute/device_functions.h"
+
+#include <string>
+
+namespace relume {
+namespace {
+
+/// Looks up entry points of one device and remembers the first that is missing.
+class Loader {
+ public:
+  explicit Loader(const HostDevice& host) : device_(host.device) {
+    if (host.get_instance_proc_addr == nullptr) return;
+    get_ = reinterpret_cast<PFN_vkGetDeviceProcAddr>(
+        host.get_instance_proc_addr(host.instance, "vkGetDeviceProcAddr"));
+  }
+
+  template <class Function>
+  void optional(Function& function, const char* name) const {
+    function = get_ == nullptr ? nullptr : reinterpret_cast<Function>(get_(device_, name));
+  }
+
+  template <class Function>
+  void required(Function& function, const char* name) {
+    optional(function, name);
+    if (function == nullptr && missing_.empty()) missing_ = name;
+  }
+
+  const std::string& missing() const { return missing_; }
+
+ private:
+  VkDevice device_;
+  PFN_vkGetDeviceProcAddr get_ = nullptr;
+  std::string missing_;
+};
+
+void load_creation(Loader& load, DeviceFunctions& table) {
+  load.required(table.create_shader_module, "vkCreateShaderModule");
+  load.required(table.destroy_shader_module, "vkDestroyShaderModule");
+  load.required(table.create_descriptor_set_layout, "vkCreateDescriptorSetLayout");
+  load.required(table.destroy_descriptor_set_layout, "vkDestroyDescriptorSetLayout");
+  load.required(table.create_pipeline_layout, "vkCreatePipelineLayout");
+  load.required(table.destroy_pipeline_layout, "vkDestroyPipelineLayout");
+  load.required(table.create_compute_pipelines, "vkCreateComputePipelines");
+  load.required(table.destroy_pipeline, "vkDestroyPipeline");
+  load.required(table.create_descriptor_pool, "vkCreateDescriptorPool");
+  load.required(table.destroy_descriptor_pool, "vkDestroyDescriptorPool");
+  load.required(table.allocate_descriptor_sets, "vkAllocateDescriptorSets");
+  load.required(table.update_descriptor_sets, "vkUpdateDescriptorSets");
+}
+
+void load_commands(Loader& load, DeviceFunctions& table) {
+  load.required(table.cmd_bind_pipeline, "vkCmdBindPipeline");
+  load.required(table.cmd_bind_descriptor_sets, "vkCmdBindDescriptorSets");
+  load.required(table.cmd_push_constants, "vkCmdPushConstants");
+  load.required(table.cmd_dispatch, "vkCmdDispatch");
+  load.required(table.cmd_pipeline_barrier, "vkCmdPipelineBarrier");
+  load.required(table.cmd_copy_buffer, "vkCmdCopyBuffer");
+  load.required(table.cmd_fill_buffer, "vkCmdFillBuffer");
+  load.optional(table.cmd_begin_label, "vkCmdBeginDebugUtilsLabelEXT");
+  load.optional(table.cmd_end_label, "vkCmdEndDebugUtilsLabelEXT");
+}
+
+}  // namespace
+
+Result<DeviceFunctions> load_device_functions(const HostDevice& host) {
+  DeviceFunctions table;
+  Loader load(host);
+  load_creation(load, table);
+  load_commands(load, table);
+  if (!load.missing().empty()) {
+    return fail(ErrorCode::no_device,
+                "the host's vkGetInstanceProcAddr and vkGetDeviceProcAddr do not give " + load.missing() +
+                    ", which every Vulkan device has");
+  }
+  return table;
+}
+
+}  // namespace relume

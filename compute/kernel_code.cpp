@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#include "compute/kernel_code.h"
+
+#include "spirv/bounce_row_per_8_lanes.h"
+#include "spirv/bounce_row_per_thread.h"
+#include "spirv/gather_row_per_8_lanes.h"
+#include "spirv/gather_row_per_thread.h"
+#include "spirv/import_radiosity.h"
+#include "spirv/residual.h"
+#include "spirv/start.h"
+
+namespace relume {
+
+std::span<const std::uint32_t> kernel_code(KernelId kernel) {
+  switch (kernel) {
+    case KernelId::start:
+      return start_spirv;
+    case KernelId::import_radiosity:
+      return import_radiosity_spirv;
+    case KernelId::bounce_row_per_thread:
+      return bounce_row_per_thread_spirv;
+    case KernelId::bounce_row_per_8_lanes:
+      return bounce_row_per_8_lanes_spirv;
+    case KernelId::gather_row_per_thread:
+      return gather_row_per_thread_spirv;
+    case KernelId::gather_row_per_8_lanes:
+      return gather_row_per_8_lanes_spirv;
+    case KernelId::residual:
+      return residual_spirv;
+  }
+  return {};
+}
+
+const char* kernel_file_name(KernelId kernel) {
+  switch (kernel) {
+    case KernelId::start:
+      return "start";
+    case KernelId::import_radiosity:
+      return "import_radiosity";
+    case KernelId::bounce_row_per_thread:
+      return "bounce_row_per_thread";
+    case KernelId::bounce_row_per_8_lanes:
+      return "bounce_row_per_8_lanes";
+    case KernelId::gather_row_per_thread:
+      return "gather_row_per_thread";
+    case KernelId::gather_row_per_8_lanes:
+      return "gather_row_per_8_lanes";
+    case KernelId::residual:
+      return "residual";
+  }
+  return "";
+}
+
+}  // namespace relume

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+//
+// The layouts and pipelines of all kernels on one device.
+#pragma once
+
+#include <array>
+#include <map>
+#include <utility>
+
+#include "compute/device_functions.h"
+#include "compute/host_device.h"
+#include "compute/pass_plan.h"
+#include "compute/vulkan_handle.h"
+#include "core/block_matrix.h"
+#include "core/result.h"
+#include "kernels/shared/bindings.h"
+
+namespace relume {
+
+/// Every file kernels/*.comp.
+enum class KernelId : std::uint32_t {
+  start,
+  import_radiosity,
+  bounce_row_per_thread,
+  bounce_row_per_8_lanes,
+  gather_row_per_thread,
+  gather_row_per_8_lanes,
+  residual,
+};
+
+/// The kernel that does a step of a pass.
+KernelId step_kernel_id(StepKernel step, RowKernel row_kernel);
+
+class Pipelines {
+ public:
+  /// Layouts only. Everything of `host` is borrowed.
+  static Result<Pipelines> create(const HostDevice& host, const DeviceFunctions& functions);
+
+  /// Makes the pipeline of a kernel for a codec, unless it is there. Kernels that decode nothing have codec
+  /// f32.
+  Result<void> add(KernelId kernel, ValueCodec codec);
+
+  /// A pipeline that was added.
+  VkPipeline get(KernelId kernel, ValueCodec codec) const { return pipelines_.at({kernel, codec}).get(); }
+
+  VkPipelineLayout layout() const { return layout_.get(); }
+  VkDescriptorSetLayout set_layout(std::uint32_t set) const { return set_layouts_[set].get(); }
+
+ private:
+  Pipelines(const HostDevice& host, const DeviceFunctions& functions) : host_(host), functions_(functions) {}
+
+  HostDevice host_;
+  DeviceFunctions functions_;
+  std::array<VulkanHandle<VkDescriptorSetLayout>, kernels::kSets> set_layouts_;
+  VulkanHandle<VkPipelineLayout> layout_;
+  std::map<std::pair<KernelId, ValueCodec>, VulkanHandle<VkPipeline>> pipelines_;
+};
+
+}  // namespace relume

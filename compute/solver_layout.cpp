@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+#include "compute/solver_layout.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "kernels/shared/records.h"
+
+namespace relume {
+namespace {
+
+constexpr VkBufferUsageFlags kUsage =
+    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+constexpr VkDeviceSize kEmptyBytes = 16;
+
+VkDeviceSize align_up(VkDeviceSize value, VkDeviceSize alignment) {
+  return (value + alignment - 1) / alignment * alignment;
+}
+
+/// Collects buffers; a buffer without elements still has some bytes, because an empty range cannot be bound.
+class BufferList {
+ public:
+  BufferList(std::vector<BufferRequirement>& buffers, VkDeviceSize alignment)
+      : buffers_(buffers), alignment_(alignment) {}
+
+  std::uint32_t add(std::string name, VkDeviceSize byte_size) {
+    buffers_.push_back({std::move(name), std::max(byte_size, kEmptyBytes), alignment_, kUsage});
+    return static_cast<std::uint32_t>(buffers_.size() - 1);
+  }
+
+ private:
+  std::vector<BufferRequirement>& buffers_;
+  VkDeviceSize alignment_;
+};
+
+BlockLayout block_layout(const MatrixBlock& block, const std::string& name, VkDeviceSize alignment,
+                         BufferList& buffers) {
+  const std::array<VkDeviceSize, 4> bytes = {block.tile_offsets.size() * sizeof(std::uint32_t),
+                                             align_up(block.columns.size() * sizeof(std::uint16_t), 4),
+                                             align_up(block.values.size(), 4),
+                                             block.row_scales.size() * sizeof(float)};
+  BlockLayout layout;
+  VkDeviceSize end = 0;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    layout.sections[i] = {align_up(end, alignment), std::max(bytes[i], kEmptyBytes)};
+    end = layout.sections[i].offset + layout.sections[i].byte_size;
+  }
+  layout.buffer = buffers.add(name, end);
+  return layout;
+}
+
+std::vector<BlockLayout> matrix_layout(const BlockMatrix& matrix, const std::string& name,
+                                       VkDeviceSize alignment, BufferList& buffers) {
+  std::vector<BlockLayout> blocks;
+  for (const MatrixBlock& block : matrix.blocks) {
+    blocks.push_back(
+        block_layout(block, name + " block " + std::to_string(blocks.size()), alignment, buffers));
+  }
+  return blocks;
+}
+
+std::uint32_t padded_clusters(const System& system, VkDeviceSize alignment) {
+  const VkDeviceSize clusters = std::max<VkDeviceSize>(system.clusters.size(), 1);
+  return static_cast<std::uint32_t>(align_up(clusters, std::max<VkDeviceSize>(alignment / kRgbBytes, 1)));
+}
+
+SystemLayout system_layout(const System& system, const std::string& name, VkDeviceSize alignment,
+                           BufferList& buffers) {
+  SystemLayout layout;
+  layout.clusters = static_cast<std::uint32_t>(system.clusters.size());
+  layout.padded_clusters = padded_clusters(system, alignment);
+  layout.imports = static_cast<std::uint32_t>(system.imports.size());
+  layout.gather_rows = system.gather.rows;
+  layout.imports_buffer = buffers.add(name + " imports", layout.imports * sizeof(std::uint32_t));
+  layout.local_radiosity_buffer = buffers.add(name + " local radiosity", layout.imports * kRgbBytes);
+  layout.irradiance_buffer = buffers.add(name + " irradiance", layout.gather_rows * kRgbBytes);
+  layout.bounce = matrix_layout(system.bounce, name + " bounce", alignment, buffers);
+  layout.gather = matrix_layout(system.gather, name + " gather", alignment, buffers);
+  return layout;
+}
+
+/// In the order of SolveBuffer.
+void add_solve_buffers(const SolverLayout& layout, BufferList& buffers) {
+  const VkDeviceSize cluster_bytes = layout.padded_clusters * kRgbBytes;
+  const VkDeviceSize sender_bytes = cluster_bytes + layout.sky_patches * kRgbBytes;
+  buffers.add("radiosity a", sender_bytes);
+  buffers.add("radiosity b", sender_bytes);
+  buffers.add("albedo", cluster_bytes);
+  buffers.add("exitance", cluster_bytes);
+  buffers.add("direct", cluster_bytes);
+  buffers.add("weights", cluster_bytes);
+  buffers.add("residual", sizeof(kernels::ResidualRecord));
+}
+
+Result<void> check_blocks(const BlockMatrix& matrix, const std::string& name) {
+  for (const MatrixBlock& block : matrix.blocks) {
+    if (block.tile_rows != 1) {
+      return fail(ErrorCode::bad_input, name + ": the kernels do tiles of 1 row, found tiles of " +
+                                            std::to_string(block.tile_rows));
+    }
+    if (block.codec != ValueCodec::f32 && block.codec != ValueCodec::unorm16) {
+      return fail(ErrorCode::bad_input, name + ": the kernels decode f32 and unorm16, found codec " +
+                                            std::to_string(static_cast<std::uint32_t>(block.codec)));
+    }
+  }
+  return {};
+}
+
+Result<void> check_formats(const Model& model) {
+  for (const System& system : model.systems) {
+    if (auto checked = check_blocks(system.bounce, "bounce matrix of system '" + system.name + "'");
+        !checked) {
+      return checked;
+    }
+    if (auto checked = check_blocks(system.gather, "gather matrix of system '" + system.name + "'");
+        !checked) {
+      return checked;
+    }
+  }
+  return {};
+}
+
+Result<void> check_sizes(const SolverLayout& layout, VkDeviceSize max_range) {
+  for (const BufferRequirement& buffer : layout.buffers) {
+    if (buffer.byte_size > max_range) {
+      return fail(ErrorCode::no_device,
+                  "the buffer '" + buffer.name + "' needs " + std::to_string(buffer.byte_size) +
+                      " bytes, but the device binds at most " + std::to_string(max_range) + " at once");
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<SolverLayout> solver_layout(const Model& model, const LayoutLimits& limits) {
+  if (auto checked = check_formats(model); !checked) return tl::unexpected<Error>(checked.error());
+  SolverLayout layout;
+  layout.sky_patches = static_cast<std::uint32_t>(model.sky_cells.size());
+  for (const System& system : model.systems)
+    layout.padded_clusters += padded_clusters(system, limits.alignment);
+  BufferList buffers(layout.buffers, limits.alignment);
+  add_solve_buffers(layout, buffers);
+  std::uint32_t first_cluster = 0;
+  for (const System& system : model.systems) {
+    const std::string name = "system " + std::to_string(layout.systems.size());
+    layout.systems.push_back(system_layout(system, name, limits.alignment, buffers));
+    layout.systems.back().first_cluster =
+        std::exchange(first_cluster, first_cluster + layout.systems.back().padded_clusters);
+  }
+  if (auto checked = check_sizes(layout, limits.max_range); !checked) {
+    return tl::unexpected<Error>(checked.error());
+  }
+  return layout;
+}
+
+std::uint32_t sender_number(const SolverLayout& layout, const SenderRef& sender) {
+  if (sender.system == kSkySystem) return layout.padded_clusters + sender.index;
+  return layout.systems[sender.system].first_cluster + sender.index;
+}
+
+}  // namespace relume

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+//
+// Where everything of a model lies on a device, and which dispatches make up a pass: plain numbers, no Vulkan
+// objects.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "compute/host_device.h"
+#include "core/model.h"
+#include "core/result.h"
+
+namespace relume {
+
+/// Limits of a device that decide the layout.
+struct LayoutLimits {
+  VkDeviceSize max_range = VkDeviceSize{128} << 20;  ///< maxStorageBufferRange
+  VkDeviceSize alignment = 256;                      ///< minStorageBufferOffsetAlignment, a power of two
+};
+
+/// Buffers of the whole solve come first, in this order.
+enum SolveBuffer : std::uint32_t {
+  kRadiosityA,
+  kRadiosityB,
+  kAlbedo,
+  kExitance,
+  kDirect,
+  kWeights,
+  kResidual,
+  kSolveBuffers,
+};
+
+/// A part of a buffer.
+struct Section {
+  VkDeviceSize offset = 0;
+  VkDeviceSize byte_size = 0;
+};
+
+/// A block of a matrix: one buffer with four sections, in the order of the bindings of
+/// kernels/shared/bindings.h.
+struct BlockLayout {
+  std::uint32_t buffer = 0;
+  std::array<Section, 4> sections;
+};
+
+struct SystemLayout {
+  std::uint32_t first_cluster = 0;  ///< among padded clusters; its byte offset is aligned
+  std::uint32_t clusters = 0;
+  std::uint32_t padded_clusters = 0;
+  std::uint32_t imports = 0;
+  std::uint32_t gather_rows = 0;
+  std::uint32_t imports_buffer = 0;
+  std::uint32_t local_radiosity_buffer = 0;
+  std::uint32_t irradiance_buffer = 0;
+  std::vector<BlockLayout> bounce;
+  std::vector<BlockLayout> gather;
+};
+
+struct SolverLayout {
+  std::uint32_t padded_clusters =
+      0;  ///< of all systems; also the number of the first sky patch among senders
+  std::uint32_t sky_patches = 0;
+  std::vector<BufferRequirement> buffers;
+  std::vector<SystemLayout> systems;
+};
+
+/// Bytes of an RGB quantity per element on the device (vec4).
+inline constexpr VkDeviceSize kRgbBytes = 16;
+
+/// Fails with no_device when a buffer is larger than `max_range`, and with bad_input when a block has a
+/// format that the kernels do not know (tiles of more than one row, codec sqrt8). The model must be valid
+/// (check_model).
+Result<SolverLayout> solver_layout(const Model& model, const LayoutLimits& limits);
+
+/// Number of a sender on the device.
+std::uint32_t sender_number(const SolverLayout& layout, const SenderRef& sender);
+
+}  // namespace relume

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+#ifndef RELUME_LIGHTING_GLSL
+#define RELUME_LIGHTING_GLSL
+
+#include "../shared/bindings.h"
+
+layout(set = kSolveSet, binding = kAlbedoBinding, std430) readonly restrict buffer Albedo { vec4 albedo[]; };
+layout(set = kSolveSet, binding = kExitanceBinding, std430) readonly restrict buffer Exitance {
+  vec4 exitance[];
+};
+layout(set = kSolveSet, binding = kDirectBinding, std430) readonly restrict buffer Direct { vec4 direct[]; };
+
+/// B = M + albedo (H + I) of a padded cluster.
+vec3 reflect_and_emit(uint cluster, vec3 irradiance) {
+  precise vec3 arriving = direct[cluster].rgb + irradiance;
+  precise vec3 leaving = fma(albedo[cluster].rgb, arriving, exitance[cluster].rgb);
+  return leaving;
+}
+
+#endif

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+//
+// The product of one matrix row with the local radiosity, in the one summation order that all kernels share, so that every kernel,
+// subgroup width and slicing gives the same bits:
+//
+//   lane k of 8     s_k = sum over entries k, k + 8, k + 16, ... of the row, ascending, each added by fma(code, b, s_k), from 0
+//   the row         sum = ((s_0 + s_4) + (s_2 + s_6)) + ((s_1 + s_5) + (s_3 + s_7))
+//   the product     sum * row_scale                      codec f32, code = the stored float
+//                   sum * (row_scale * (1 / 65535))      codec unorm16, code = the stored integer
+//
+// All of it is `precise`: SPIR-V then demands that equal fma of equal inputs give equal results.
+#ifndef RELUME_ROW_PRODUCT_GLSL
+#define RELUME_ROW_PRODUCT_GLSL
+
+#include "../shared/bindings.h"
+#include "range.glsl"
+
+layout(constant_id = kCodecConstant) const uint kCodec = kCodecF32;
+
+layout(set = kSystemSet, binding = kLocalRadiosityBinding, std430) readonly restrict buffer LocalRadiosity {
+  vec4 local_radiosity[];
+};
+layout(set = kBlockSet, binding = kTileOffsetsBinding, std430) readonly restrict buffer TileOffsets {
+  uint tile_offsets[];
+};
+layout(set = kBlockSet, binding = kColumnsBinding, std430) readonly restrict buffer Columns { uint columns[]; };
+layout(set = kBlockSet, binding = kValuesBinding, std430) readonly restrict buffer Values { uint values[]; };
+layout(set = kBlockSet, binding = kRowScalesBinding, std430) readonly restrict buffer RowScales {
+  float row_scales[];
+};
+
+uint half_word(uint word, uint index) { return (index & 1u) == 0u ? word & 0xffffu : word >> 16; }
+
+uint column_of(uint entry) { return half_word(columns[entry >> 1], entry); }
+
+float code_of(uint entry) {
+  if (kCodec == kCodecUnorm16) return float(half_word(values[entry >> 1], entry));
+  return uintBitsToFloat(values[entry]);
+}
+
+/// Adds one entry to the sum of its lane.
+void add_entry(inout precise vec3 lane_sum, uint entry) {
+  lane_sum = fma(vec3(code_of(entry)), local_radiosity[column_of(entry)].rgb, lane_sum);
+}
+
+/// The fixed tree over the lanes, and the scale of the row.
+vec3 row_result(uint row, vec3 s0, vec3 s1, vec3 s2, vec3 s3, vec3 s4, vec3 s5, vec3 s6, vec3 s7) {
+  precise vec3 sum = ((s0 + s4) + (s2 + s6)) + ((s1 + s5) + (s3 + s7));
+  precise float scale = row_scales[row];
+  if (kCodec == kCodecUnorm16) scale = scale * (1.0 / 65535.0);
+  precise vec3 product = sum * scale;
+  return product;
+}
+
+#endif

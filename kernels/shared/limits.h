@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+#ifndef RELUME_KERNELS_LIMITS_H
+#define RELUME_KERNELS_LIMITS_H
+
+#include "glsl_types.h"
+
+RELUME_SHARED_BEGIN
+
+/// Invocations of a workgroup, in every kernel.
+const uint kWorkgroupSize = 64u;
+
+/// Partial sums of a row product; see include/row_product.glsl.
+const uint kLanes = 8u;
+
+/// Rows that a workgroup of a row_per_8_lanes kernel does.
+const uint kRowsPerWorkgroup = kWorkgroupSize / kLanes;
+
+/// Every device offers at least this many workgroups along x.
+const uint kMaxWorkgroups = 65535u;
+
+RELUME_SHARED_END
+
+#endif

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+//
+// Push constants and records that cross between host and device.
+#ifndef RELUME_KERNELS_RECORDS_H
+#define RELUME_KERNELS_RECORDS_H
+
+#include "glsl_types.h"
+
+RELUME_SHARED_BEGIN
+
+/// Push constants of every kernel. Row kernels do rows [first_row, first_row + count) of a block; the others do elements [0, count).
+struct Range {
+  uint first_row;      // in the block
+  uint count;          // rows, imports or padded clusters
+  uint block_row;      // row of the system's matrix that is row 0 of the block
+  uint first_cluster;  // number of the system's cluster 0 among padded clusters
+  // ---- 16 bytes
+};
+
+/// What a bounce changed, as maxima over all clusters, per channel in xyz. Bits of non-negative floats: they order as the floats do, so that
+/// atomicMax gives the same result in any order, and NaN is above all numbers.
+struct ResidualRecord {
+  uvec4 weighted_change;  // |change| / weight
+  // ---- 16 bytes
+  uvec4 change;  // |change|, lm/m2
+  // ---- 32 bytes
+  uvec4 weighted_radiosity;  // |B| / weight, B after the bounce
+  // ---- 48 bytes
+  uvec4 radiosity;  // |B|, lm/m2
+  // ---- 64 bytes
+};
+
+RELUME_SHARED_END
+
+#ifdef __cplusplus
+#include <cstddef>
+namespace relume::kernels {
+static_assert(sizeof(Range) == 16);
+static_assert(sizeof(ResidualRecord) == 64);
+static_assert(offsetof(ResidualRecord, change) == 16 && offsetof(ResidualRecord, radiosity) == 48);
+}  // namespace relume::kernels
+#endif
+
+#endif
