@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+//
+// Clusters: connected groups of surface elements of about one size, whatever the tessellation. A group never
+// contains two elements that are not joined through links inside it, so none lies on two sides of a wall.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "precompute/elements.h"
+
+namespace relume {
+
+/// Cluster of each element of the system, numbered from 0 in the order of the chart, then of the block, then
+/// of the first element. `cluster_size` and `texel_sizes` (per node) in metres. Each chart is cut in blocks
+/// of about cluster_size; the connected parts of a block are clusters; those much smaller than a block join
+/// a near one of the same node, material and side that they see, while the union stays small.
+std::vector<std::uint32_t> make_clusters(const Geometry& geometry, const std::vector<Chart>& charts,
+                                         const SystemLayout& layout, const SystemSurface& surface,
+                                         const RayCaster& caster, const std::vector<double>& texel_sizes,
+                                         double cluster_size);
+
+}  // namespace relume

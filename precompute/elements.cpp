@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: MIT
+#include "precompute/elements.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "precompute/clip_grid.h"
+#include "precompute/mutual_visibility.h"
+
+namespace relume {
+namespace {
+
+/// Pieces of one cell whose normals differ by more than 45 degrees, or that lie further apart than this many
+/// lumels, may not be one element.
+constexpr float kCosMixed = 0.7f;
+constexpr float kMaxExtentLumels = 3.0f;
+
+/// Parts smaller than this share of their triangle and of their lumel are rounding.
+constexpr double kSmallestPart = 1e-9;
+
+void cut_chart(const Geometry& geometry, const Chart& chart, std::uint32_t chart_index,
+               const glm::uvec2& position, std::uint32_t width, std::vector<Piece>& pieces) {
+  for (std::size_t i = 0; i < chart.triangles.size(); ++i) {
+    const std::uint32_t t = chart.triangles[i];
+    GridPolygon triangle;
+    constexpr std::array<glm::dvec2, 3> kCorners{glm::dvec2{0, 0}, glm::dvec2{1, 0}, glm::dvec2{0, 1}};
+    for (std::size_t k = 0; k < 3; ++k) triangle.push({glm::dvec2(chart.corners[i][k]), kCorners[k]});
+    for_each_cell(triangle, [&](int x, int y, const GridPolygon& part) {
+      const auto cx =
+          std::clamp<std::uint32_t>(std::uint32_t(std::max(x, 0)), 0, chart.width - 1) + position.x;
+      const auto cy =
+          std::clamp<std::uint32_t>(std::uint32_t(std::max(y, 0)), 0, chart.height - 1) + position.y;
+      for (std::size_t k = 2; k < part.size(); ++k) {
+        const glm::dvec2 a = part[0].barycentric, b = part[k - 1].barycentric, c = part[k].barycentric;
+        const double share = std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
+        if (!(share > kSmallestPart)) continue;
+        pieces.push_back({{t, {glm::vec2(a), glm::vec2(b), glm::vec2(c)}},
+                          float(share) * geometry.areas[t],
+                          cy * width + cx,
+                          chart_index});
+      }
+    });
+  }
+}
+
+/// The element of a group of pieces: its position is the middle of the piece nearest to the centre of area.
+Element element_of(const Geometry& geometry, const std::vector<Chart>& charts,
+                   std::span<const Piece> pieces) {
+  Element element;
+  const Side side = charts[pieces[0].chart].side;
+  glm::dvec3 centre(0.0);
+  double area = 0.0;
+  for (const Piece& piece : pieces) {
+    centre += double(piece.area) * glm::dvec3(middle_of(geometry, piece.shape, side).position);
+    area += piece.area;
+  }
+  centre /= area;
+  double nearest = std::numeric_limits<double>::max();
+  for (const Piece& piece : pieces) {
+    const SurfacePoint middle = middle_of(geometry, piece.shape, side);
+    const double distance = glm::length(glm::dvec3(middle.position) - centre);
+    if (distance >= nearest) continue;
+    nearest = distance;
+    element.position = middle.position;
+    element.normal = middle.normal;
+    element.material = geometry.material[piece.shape.triangle];
+  }
+  element.area = float(area);
+  element.cell = pieces[0].cell;
+  element.chart = pieces[0].chart;
+  element.piece_count = std::uint32_t(pieces.size());
+  return element;
+}
+
+/// Whether the pieces of a cell disagree in material or normal, or lie apart.
+bool mixed(const Geometry& geometry, const Element& cell, std::span<const Piece> pieces, Side side) {
+  const float reach = kMaxExtentLumels * std::sqrt(std::max(cell.area, 1e-30f));
+  for (const Piece& piece : pieces) {
+    if (geometry.material[piece.shape.triangle] != cell.material) return true;
+    const SurfacePoint middle = middle_of(geometry, piece.shape, side);
+    if (glm::dot(middle.normal, cell.normal) < kCosMixed) return true;
+    if (pieces.size() > 1 &&
+        glm::length(middle.position - cell.position) > reach + kMaxExtentLumels * std::sqrt(piece.area))
+      return true;
+  }
+  return false;
+}
+
+/// One element per covered cell, before any is split.
+struct Cells {
+  std::vector<Element> whole;        ///< ascending by cell
+  std::vector<std::uint32_t> index;  ///< per cell of the lightmap: into `whole`, or kNone
+  std::vector<std::uint8_t> split;   ///< per whole: has to be looked at closely
+  std::vector<std::uint8_t> walled;  ///< per whole
+};
+
+Cells gather_cells(const Geometry& geometry, const std::vector<Chart>& charts,
+                   const std::vector<Piece>& pieces, std::size_t cell_count) {
+  Cells cells;
+  cells.index.assign(cell_count, kNone);
+  for (std::uint32_t first = 0; first < pieces.size();) {
+    std::uint32_t last = first;
+    while (last < pieces.size() && pieces[last].cell == pieces[first].cell) ++last;
+    const std::span<const Piece> group(pieces.data() + first, last - first);
+    Element element = element_of(geometry, charts, group);
+    element.first_piece = first;
+    cells.index[element.cell] = std::uint32_t(cells.whole.size());
+    cells.split.push_back(mixed(geometry, element, group, charts[element.chart].side) ? 1 : 0);
+    cells.whole.push_back(element);
+    first = last;
+  }
+  cells.walled.assign(cells.whole.size(), 0);
+  return cells;
+}
+
+/// Calls visit(a, b) for all pairs of neighbouring covered cells (eight neighbours, each pair once) of one
+/// chart.
+template <class Visit>
+void for_each_neighbour(const Cells& cells, std::uint32_t a, std::uint32_t width, std::uint32_t height,
+                        Visit&& visit) {
+  const int x = int(cells.whole[a].cell % width), y = int(cells.whole[a].cell / width);
+  constexpr std::array<std::array<int, 2>, 4> kSteps{{{1, 0}, {-1, 1}, {0, 1}, {1, 1}}};
+  for (const auto& step : kSteps) {
+    const int nx = x + step[0], ny = y + step[1];
+    if (nx < 0 || nx >= int(width) || ny >= int(height)) continue;
+    const std::uint32_t b = cells.index[std::size_t(ny) * width + std::size_t(nx)];
+    if (b != kNone && cells.whole[b].chart == cells.whole[a].chart) visit(b);
+  }
+}
+
+bool linkable(const Element& a, const Element& b) {
+  return a.material == b.material && glm::dot(a.normal, b.normal) > 0.5f;
+}
+
+SurfacePoint point_of(const Element& element) {
+  return {element.position, element.normal};
+}
+
+/// Cells between which something stands are walled and will be split.
+void find_walls(const Geometry& geometry, const RayCaster& caster, std::uint32_t width, std::uint32_t height,
+                Cells& cells, std::atomic<std::uint64_t>& rays) {
+  std::vector<std::vector<std::uint32_t>> blocked(cells.whole.size());
+  tbb::parallel_for(std::size_t{0}, cells.whole.size(), [&](std::size_t a) {
+    std::uint64_t traced = 0;
+    for_each_neighbour(cells, std::uint32_t(a), width, height, [&](std::uint32_t b) {
+      if (!linkable(cells.whole[a], cells.whole[b])) return;
+      traced += 3;
+      if (!mutually_visible(geometry, caster, point_of(cells.whole[a]), point_of(cells.whole[b])))
+        blocked[a].push_back(b);
+    });
+    rays += traced;
+  });
+  for (std::size_t a = 0; a < blocked.size(); ++a) {
+    for (const auto b : blocked[a]) {
+      cells.split[a] = cells.split[b] = 1;
+      cells.walled[a] = cells.walled[b] = 1;
+    }
+  }
+}
+
+/// Final elements: whole cells as they are, the others as split_cell groups them.
+void settle_elements(const Geometry& geometry, const std::vector<Chart>& charts, const RayCaster& caster,
+                     const Cells& cells, const std::vector<Piece>& pieces, SystemSurface& surface) {
+  std::vector<std::vector<std::vector<Piece>>> groups(cells.whole.size());
+  std::atomic<std::uint64_t> rays{0};
+  tbb::parallel_for(std::size_t{0}, cells.whole.size(), [&](std::size_t i) {
+    const Element& cell = cells.whole[i];
+    std::vector<Piece> own(pieces.begin() + cell.first_piece,
+                           pieces.begin() + cell.first_piece + cell.piece_count);
+    if (cells.split[i] == 0) {
+      groups[i].push_back(std::move(own));
+      return;
+    }
+    std::uint64_t traced = 0;
+    groups[i] = split_cell(geometry, charts[cell.chart], caster, own, traced);
+    rays += traced;
+  });
+  surface.occlusion_rays += rays;
+  surface.first_element.assign(cells.index.size() + 1, 0);
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    for (const auto& group : groups[i]) {
+      Element element = element_of(geometry, charts, group);
+      element.first_piece = std::uint32_t(surface.pieces.size());
+      element.walled = cells.walled[i] != 0;
+      element.split = groups[i].size() > 1;
+      surface.pieces.insert(surface.pieces.end(), group.begin(), group.end());
+      surface.elements.push_back(element);
+    }
+    surface.first_element[cells.whole[i].cell + 1] = std::uint32_t(groups[i].size());
+  }
+  for (std::size_t c = 1; c < surface.first_element.size(); ++c)
+    surface.first_element[c] += surface.first_element[c - 1];
+}
+
+void link_elements(const Geometry& geometry, const RayCaster& caster, const Cells& cells,
+                   SystemSurface& surface) {
+  std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> links(cells.whole.size());
+  tbb::parallel_for(std::size_t{0}, cells.whole.size(), [&](std::size_t a) {
+    for_each_neighbour(cells, std::uint32_t(a), surface.width, surface.height, [&](std::uint32_t b) {
+      const std::uint32_t cell_a = cells.whole[a].cell, cell_b = cells.whole[b].cell;
+      const bool both_whole = cells.split[a] == 0 && cells.split[b] == 0;
+      for (auto i = surface.first_element[cell_a]; i < surface.first_element[cell_a + 1]; ++i) {
+        for (auto j = surface.first_element[cell_b]; j < surface.first_element[cell_b + 1]; ++j) {
+          const Element &e = surface.elements[i], &f = surface.elements[j];
+          // find_walls has already seen that whole neighbours see each other.
+          if (linkable(e, f) &&
+              (both_whole || mutually_visible(geometry, caster, point_of(e), point_of(f)))) {
+            links[a].emplace_back(i, j);
+          }
+        }
+      }
+    });
+  });
+  for (const auto& list : links) surface.links.insert(surface.links.end(), list.begin(), list.end());
+}
+
+}  // namespace
+
+SurfacePoint middle_of(const Geometry& geometry, const SurfacePiece& shape, Side side) {
+  const glm::vec2 uv = (shape.corners[0] + shape.corners[1] + shape.corners[2]) / 3.0f;
+  return {geometry.point(shape.triangle, uv.x, uv.y), geometry.normal(shape.triangle, side)};
+}
+
+std::vector<Piece> cut_into_cells(const Geometry& geometry, const std::vector<Chart>& charts,
+                                  const SystemLayout& layout) {
+  std::vector<std::vector<Piece>> parts(layout.charts.size());
+  tbb::parallel_for(std::size_t{0}, layout.charts.size(), [&](std::size_t i) {
+    cut_chart(geometry, charts[layout.charts[i]], layout.charts[i], layout.positions[i], layout.width,
+              parts[i]);
+  });
+  std::vector<Piece> pieces;
+  for (const auto& part : parts) pieces.insert(pieces.end(), part.begin(), part.end());
+  std::stable_sort(pieces.begin(), pieces.end(),
+                   [](const Piece& a, const Piece& b) { return a.cell < b.cell; });
+  return pieces;
+}
+
+SystemSurface make_elements(const Geometry& geometry, const std::vector<Chart>& charts,
+                            const SystemLayout& layout, const RayCaster& caster) {
+  SystemSurface surface;
+  surface.width = layout.width;
+  surface.height = layout.height;
+  const auto pieces = cut_into_cells(geometry, charts, layout);
+  Cells cells = gather_cells(geometry, charts, pieces, std::size_t(layout.width) * layout.height);
+  std::atomic<std::uint64_t> rays{0};
+  find_walls(geometry, caster, layout.width, layout.height, cells, rays);
+  surface.occlusion_rays = rays;
+  settle_elements(geometry, charts, caster, cells, pieces, surface);
+  link_elements(geometry, caster, cells, surface);
+  return surface;
+}
+
+}  // namespace relume

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#include "precompute/emitters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "core/quantities.h"
+#include "precompute/sampling.h"
+
+namespace relume {
+namespace {
+
+void add_element(const SystemSurface& surface, const Element& element, Side side, Emitter& emitter) {
+  emitter.side = side;
+  emitter.centroid += element.position * element.area;
+  emitter.normal += element.normal * element.area;
+  for (std::uint32_t p = 0; p < element.piece_count; ++p) {
+    const Piece& piece = surface.pieces[element.first_piece + p];
+    emitter.area += piece.area;
+    emitter.pieces.push_back(piece);
+    emitter.cumulative_area.push_back(emitter.area);
+  }
+}
+
+void finish(const SystemSurface& surface, const std::vector<std::uint32_t>& elements, Emitter& emitter) {
+  emitter.centroid /= float(emitter.area);
+  emitter.normal /= float(emitter.area);
+  for (const auto e : elements) {
+    const Element& element = surface.elements[e];
+    emitter.radius =
+        std::max(emitter.radius, glm::length(element.position - emitter.centroid) + std::sqrt(element.area));
+  }
+}
+
+/// Upper estimate of the unoccluded form factor from the receiver's middle to the emitter: cosines as large
+/// as the sizes of both allow.
+double estimate(const Emitter& emitter, const Receiver& receiver) {
+  const glm::vec3 to = emitter.centroid - receiver.middle().position;
+  const float reach = emitter.radius + receiver.radius();
+  const float distance = std::max(glm::length(to), 1e-12f);
+  const glm::vec3 direction = to / distance;
+  const float slack = std::min(1.0f, reach / distance);
+  const float bend = 1.0f - std::min(1.0f, glm::length(emitter.normal));
+  const float cos_receiver = std::clamp(glm::dot(direction, receiver.middle().normal) + slack, 0.0f, 1.0f);
+  const float cos_emitter = std::clamp(-glm::dot(direction, emitter.normal) + slack + bend, 0.0f, 1.0f);
+  const double squared = std::max(double(distance) * distance, emitter.area / kPi);
+  return std::min(1.0, emitter.area * cos_receiver * cos_emitter / (kPi * squared));
+}
+
+}  // namespace
+
+SurfacePoint Emitter::sample(const Geometry& geometry, float u, float v) const {
+  const double target = double(u) * cumulative_area.back();
+  const auto found = std::upper_bound(cumulative_area.begin(), cumulative_area.end() - 1, target);
+  const auto index = std::size_t(found - cumulative_area.begin());
+  const double below = index > 0 ? cumulative_area[index - 1] : 0.0;
+  const double share = (target - below) / std::max(cumulative_area[index] - below, 1e-300);
+  const glm::vec2 at = triangle_point(std::clamp(float(share), 0.0f, 0.99999994f), v);
+  const auto& c = pieces[index].shape.corners;
+  const glm::vec2 uv = c[0] * (1.0f - at.x - at.y) + c[1] * at.x + c[2] * at.y;
+  return {geometry.point(pieces[index].shape.triangle, uv.x, uv.y),
+          geometry.normal(pieces[index].shape.triangle, side)};
+}
+
+Emitters find_emitters(const std::vector<Chart>& charts, const std::vector<ClusteredSurface>& systems,
+                       const std::vector<bool>& material_emits, const std::vector<bool>& node_emits) {
+  Emitters emitters;
+  for (const ClusteredSurface& system : systems) {
+    emitters.of_cluster.resize(system.first_cluster + system.cluster_count, kNone);
+    std::vector<std::vector<std::uint32_t>> members(system.cluster_count);
+    for (std::uint32_t e = 0; e < system.surface.elements.size(); ++e) {
+      const Element& element = system.surface.elements[e];
+      if (!material_emits[element.material] && !node_emits[charts[element.chart].node]) continue;
+      members[system.cluster[e]].push_back(e);
+    }
+    for (std::uint32_t c = 0; c < system.cluster_count; ++c) {
+      if (members[c].empty()) continue;
+      Emitter emitter;
+      emitter.cluster = system.first_cluster + c;
+      for (const auto e : members[c]) {
+        const Element& element = system.surface.elements[e];
+        add_element(system.surface, element, charts[element.chart].side, emitter);
+      }
+      finish(system.surface, members[c], emitter);
+      emitters.of_cluster[emitter.cluster] = std::uint32_t(emitters.list.size());
+      emitters.list.push_back(std::move(emitter));
+    }
+  }
+  return emitters;
+}
+
+std::vector<std::uint32_t> allot_samples(const Emitters& emitters, const Receiver& receiver,
+                                         std::uint32_t total) {
+  std::vector<double> estimates;
+  double sum = 0.0;
+  for (const Emitter& emitter : emitters.list) {
+    estimates.push_back(estimate(emitter, receiver));
+    sum += estimates.back();
+  }
+  std::vector<std::uint32_t> counts(estimates.size(), 0);
+  if (!(sum > 0.0)) return counts;
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    counts[i] = static_cast<std::uint32_t>(std::lround(total * estimates[i] / sum));
+  }
+  return counts;
+}
+
+}  // namespace relume

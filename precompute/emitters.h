@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+//
+// Possible emitters: small surfaces whose form factors hemisphere rays would estimate badly. They are also
+// sampled over their area, with occlusion rays; both estimates are combined by the balance heuristic (E.
+// Veach, L. Guibas, Optimally Combining Sampling Techniques, 1995).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "precompute/receiver.h"
+#include "precompute/sender_lookup.h"
+
+namespace relume {
+
+/// One cluster that may emit.
+struct Emitter {
+  std::uint32_t cluster = 0;  ///< numbered through over all systems
+  double area = 0.0;          ///< m2
+  glm::vec3 centroid{0.0f};
+  glm::vec3 normal{0.0f};  ///< mean, not unit: shorter the more the cluster bends
+  float radius = 0.0f;     ///< of a sphere about the centroid that holds it
+  Side side = Side::front;
+  std::vector<Piece> pieces;
+  std::vector<double> cumulative_area;
+
+  /// Point of the emitter for u, v in [0, 1).
+  SurfacePoint sample(const Geometry& geometry, float u, float v) const;
+};
+
+struct Emitters {
+  std::vector<Emitter> list;
+  std::vector<std::uint32_t> of_cluster;  ///< per cluster of all systems: index into `list`, or kNone
+};
+
+/// Clusters of materials that may emit (`material_emits`, per material) or of nodes that may (`node_emits`).
+Emitters find_emitters(const std::vector<Chart>& charts, const std::vector<ClusteredSurface>& systems,
+                       const std::vector<bool>& material_emits, const std::vector<bool>& node_emits);
+
+/// How many of `total` area samples each emitter gets from a receiver: in proportion to an upper estimate of
+/// its unoccluded form factor, none when it is behind.
+std::vector<std::uint32_t> allot_samples(const Emitters& emitters, const Receiver& receiver,
+                                         std::uint32_t total);
+
+}  // namespace relume

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "precompute/ray_caster.h"
+#include "scene/scene.h"
+
+namespace relume {
+
+/// The static triangles of a scene in single precision about an origin, and what the precompute asks of each.
+struct Geometry {
+  glm::dvec3 origin{0.0};  ///< zero unless the scene lies so far out that single precision would suffer
+  std::vector<glm::vec3> positions;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::uint32_t> surface;   ///< per triangle: index into Scene::surfaces
+  std::vector<std::uint32_t> material;  ///< per triangle
+  std::vector<std::uint32_t> node;      ///< per triangle
+  std::vector<glm::vec3> normals;       ///< per triangle, unit, of the front
+  std::vector<float> areas;             ///< per triangle, m2
+  std::vector<bool> double_sided;       ///< per material
+  double area = 0.0;                    ///< m2 of all receiving sides
+  glm::vec3 lower{0.0f}, upper{0.0f};   ///< bounds
+  float offset = 0.0f;                  ///< see ray_offset.h
+
+  glm::vec3 point(std::uint32_t triangle, float u, float v) const {
+    const auto& t = triangles[triangle];
+    return positions[t[0]] * (1.0f - u - v) + positions[t[1]] * u + positions[t[2]] * v;
+  }
+  glm::vec3 normal(std::uint32_t triangle, Side side) const {
+    return side == Side::front ? normals[triangle] : -normals[triangle];
+  }
+};
+
+Geometry make_geometry(const Scene& scene);
+
+/// The side of its triangle that a ray travelling along `direction` meets.
+inline Side side_met(const Geometry& geometry, std::uint32_t triangle, const glm::vec3& direction) {
+  const glm::vec3& n = geometry.normals[triangle];
+  return n.x * direction.x + n.y * direction.y + n.z * direction.z < 0.0f ? Side::front : Side::back;
+}
+
+/// Whether that side exists: the back of a single-sided surface is opaque and black.
+inline bool side_exists(const Geometry& geometry, std::uint32_t triangle, Side side) {
+  return side == Side::front || geometry.double_sided[geometry.material[triangle]];
+}
+
+}  // namespace relume

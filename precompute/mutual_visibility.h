@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include "precompute/geometry.h"
+#include "precompute/ray_caster.h"
+
+namespace relume {
+
+/// A point on a surface and the unit normal of the side that is meant.
+struct SurfacePoint {
+  glm::vec3 position{0.0f};
+  glm::vec3 normal{0.0f};
+};
+
+/// Whether two nearby points of a surface belong to the same side of all walls: both are lifted, by more the
+/// further apart they are and the more the surface bends between them (so that a convex surface does not hide
+/// its own neighbourhood), unless something close above is in the way, and the segment between them is free.
+bool mutually_visible(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& a,
+                      const SurfacePoint& b);
+
+}  // namespace relume

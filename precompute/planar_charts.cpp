@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numeric>
+#include <unordered_map>
+
+#include "precompute/charts.h"
+#include "precompute/sampling.h"
+
+namespace relume {
+namespace {
+
+/// A triangle joins a chart when its normal is within 40 degrees of the chart's mean.
+constexpr float kCosChart = 0.766f;
+
+struct EdgeKey {
+  std::array<std::uint32_t, 6> bits;
+  friend bool operator==(const EdgeKey&, const EdgeKey&) = default;
+};
+struct EdgeHash {
+  std::size_t operator()(const EdgeKey& key) const {
+    std::uint64_t h = 0;
+    for (const auto b : key.bits) h = mix(h, b);
+    return static_cast<std::size_t>(h);
+  }
+};
+
+std::array<std::uint32_t, 3> position_bits(const glm::vec3& p) {
+  const glm::vec3 canonical = p + 0.0f;  // -0 and +0 are one place
+  std::array<std::uint32_t, 3> bits;
+  std::memcpy(bits.data(), &canonical, sizeof bits);
+  return bits;
+}
+
+EdgeKey edge_key(const glm::vec3& a, const glm::vec3& b) {
+  auto ka = position_bits(a);
+  auto kb = position_bits(b);
+  if (kb < ka) std::swap(ka, kb);
+  return {{ka[0], ka[1], ka[2], kb[0], kb[1], kb[2]}};
+}
+
+/// Per triangle of [first, last): the triangles across its three edges (joined by position, so that split
+/// vertices do not matter).
+std::vector<std::vector<std::uint32_t>> neighbours(const Geometry& geometry, std::uint32_t first,
+                                                   std::uint32_t last) {
+  std::unordered_map<EdgeKey, std::vector<std::uint32_t>, EdgeHash> edges;
+  edges.reserve(3 * (last - first));
+  std::vector<std::vector<std::uint32_t>> result(last - first);
+  for (std::uint32_t t = first; t < last; ++t) {
+    const auto& corners = geometry.triangles[t];
+    for (std::size_t k = 0; k < 3; ++k) {
+      auto& sharing =
+          edges[edge_key(geometry.positions[corners[k]], geometry.positions[corners[(k + 1) % 3]])];
+      for (const auto other : sharing) {
+        result[t - first].push_back(other);
+        result[other - first].push_back(t);
+      }
+      sharing.push_back(t);
+    }
+  }
+  return result;
+}
+
+/// Triangles of one chart, grown from `seed` over neighbours of the same material with agreeing normals.
+std::vector<std::uint32_t> grow(const Geometry& geometry, std::uint32_t first, std::uint32_t seed,
+                                const std::vector<std::vector<std::uint32_t>>& adjacent,
+                                std::vector<bool>& taken) {
+  std::vector<std::uint32_t> members{seed};
+  taken[seed - first] = true;
+  glm::vec3 sum = geometry.normals[seed] * geometry.areas[seed];
+  for (std::size_t next = 0; next < members.size(); ++next) {
+    for (const auto t : adjacent[members[next] - first]) {
+      if (taken[t - first] || geometry.material[t] != geometry.material[seed]) continue;
+      if (glm::dot(geometry.normals[t], glm::normalize(sum)) < kCosChart) continue;
+      if (glm::dot(geometry.normals[t], geometry.normals[seed]) < kCosChart) continue;
+      taken[t - first] = true;
+      sum += geometry.normals[t] * geometry.areas[t];
+      members.push_back(t);
+    }
+  }
+  std::sort(members.begin(), members.end());
+  return members;
+}
+
+/// Direction of the longest edge of the chart, flattened along its normal: charts of walls then lie along the
+/// lightmap's axes.
+glm::dvec3 longest_edge(const Geometry& geometry, const std::vector<std::uint32_t>& members,
+                        const glm::dvec3& normal) {
+  glm::dvec3 best(0.0);
+  for (const auto t : members) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      glm::dvec3 edge = glm::dvec3(geometry.positions[geometry.triangles[t][(k + 1) % 3]]) -
+                        glm::dvec3(geometry.positions[geometry.triangles[t][k]]);
+      edge -= normal * glm::dot(edge, normal);
+      // The diagonal of a quad is longer than its sides; a right angle at the far corner gives it away.
+      const glm::dvec3 other = glm::dvec3(geometry.positions[geometry.triangles[t][(k + 2) % 3]]) -
+                               glm::dvec3(geometry.positions[geometry.triangles[t][k]]);
+      const glm::dvec3 from_end = other - edge;
+      const bool hypotenuse =
+          std::abs(glm::dot(other, from_end)) < 1e-3 * glm::length(other) * glm::length(from_end);
+      if (!hypotenuse && glm::dot(edge, edge) > glm::dot(best, best) * 1.0001) best = edge;
+    }
+  }
+  if (glm::dot(best, best) > 0.0) return glm::normalize(best);
+  return glm::dvec3(frame_about(glm::vec3(normal)).tangent);
+}
+
+Chart flatten(const Geometry& geometry, std::vector<std::uint32_t> members, double texel_size) {
+  glm::dvec3 normal(0.0);
+  for (const auto t : members) normal += glm::dvec3(geometry.normals[t]) * double(geometry.areas[t]);
+  normal = glm::length(normal) > 0.0 ? glm::normalize(normal) : glm::dvec3(geometry.normals[members[0]]);
+  const glm::dvec3 tangent = longest_edge(geometry, members, normal);
+  const glm::dvec3 bitangent = glm::cross(normal, tangent);
+  Chart chart;
+  chart.node = geometry.node[members[0]];
+  glm::dvec2 lower(std::numeric_limits<double>::max());
+  glm::dvec2 upper(std::numeric_limits<double>::lowest());
+  const auto flat = [&](std::uint32_t vertex) {
+    const glm::dvec3 p(geometry.positions[vertex]);
+    return glm::dvec2(glm::dot(p, tangent), glm::dot(p, bitangent));
+  };
+  for (const auto t : members) {
+    for (const auto corner : geometry.triangles[t]) {
+      lower = glm::min(lower, flat(corner));
+      upper = glm::max(upper, flat(corner));
+    }
+  }
+  // Whole lumels from edge to edge: the lumels of a rectangle are all of one size and none hangs over its
+  // border.
+  const glm::dvec2 size = glm::max(glm::dvec2(1.0), glm::round((upper - lower) / texel_size));
+  const glm::dvec2 scale = size / glm::max(upper - lower, glm::dvec2(1e-12));
+  chart.width = static_cast<std::uint32_t>(size.x);
+  chart.height = static_cast<std::uint32_t>(size.y);
+  for (const auto t : members) {
+    std::array<glm::vec2, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      corners[k] =
+          glm::vec2(glm::clamp((flat(geometry.triangles[t][k]) - lower) * scale, glm::dvec2(0.0), size));
+    }
+    chart.corners.push_back(corners);
+  }
+  chart.triangles = std::move(members);
+  return chart;
+}
+
+}  // namespace
+
+std::vector<Chart> planar_charts(const Geometry& geometry, std::uint32_t first, std::uint32_t last,
+                                 double texel_size) {
+  const auto adjacent = neighbours(geometry, first, last);
+  std::vector<std::uint32_t> seeds(last - first);
+  std::iota(seeds.begin(), seeds.end(), first);
+  std::stable_sort(seeds.begin(), seeds.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return geometry.areas[a] > geometry.areas[b]; });
+  std::vector<bool> taken(last - first, false);
+  std::vector<Chart> charts;
+  for (const auto seed : seeds) {
+    if (taken[seed - first]) continue;
+    charts.push_back(flatten(geometry, grow(geometry, first, seed, adjacent, taken), texel_size));
+  }
+  std::sort(charts.begin(), charts.end(),
+            [](const Chart& a, const Chart& b) { return a.triangles[0] < b.triangles[0]; });
+  return charts;
+}
+
+}  // namespace relume

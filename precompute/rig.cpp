@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: MIT
+#include "precompute/rig.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+
+namespace relume {
+namespace {
+
+constexpr int kGridPoints = 32;  ///< along the longest side of the scene
+constexpr int kDirections = 64;
+constexpr double kMaxEscapes = 0.2;
+constexpr double kMaxBackFaces = 0.25;
+constexpr double kMinEnclosedShare = 0.03;  ///< of the grid, for a scene to have rooms at all
+constexpr std::size_t kMinRoomPoints = 8;
+constexpr double kMinRoomShare = 0.1;  ///< of the enclosed points
+constexpr std::size_t kMaxLights = 32;
+constexpr double kRoomCandela = 1000.0;
+constexpr float kBelowCeiling = 0.3f;
+constexpr double kSunLux = 50000.0;
+constexpr double kSkyRadiance = 1000.0;
+
+struct Met {
+  float distance = std::numeric_limits<float>::infinity();
+  bool escaped = true;
+  bool back_face = false;
+};
+
+/// Evenly spread directions (R. Swinbank, R. Purser, Fibonacci Grids, 2006).
+glm::vec3 sphere_direction(int i, int count) {
+  const double z = 1.0 - (2.0 * i + 1.0) / count;
+  const double angle = 2.39996322972865332 * i;
+  const double radius = std::sqrt(1.0 - z * z);
+  return glm::vec3(radius * std::cos(angle), z, radius * std::sin(angle));
+}
+
+void look(const Geometry& geometry, const RayCaster& caster, const glm::vec3& from,
+          std::span<const glm::vec3> directions, std::span<Met> met) {
+  for (std::size_t first = 0; first < directions.size(); first += kPacketSize) {
+    RayPacket packet{};
+    packet.far.fill(-1.0f);
+    packet.direction_x.fill(1.0f);
+    const std::size_t lanes = std::min<std::size_t>(kPacketSize, directions.size() - first);
+    for (std::size_t l = 0; l < lanes; ++l) {
+      const glm::vec3& d = directions[first + l];
+      packet.origin_x[l] = from.x, packet.origin_y[l] = from.y, packet.origin_z[l] = from.z;
+      packet.direction_x[l] = d.x, packet.direction_y[l] = d.y, packet.direction_z[l] = d.z;
+      packet.far[l] = std::numeric_limits<float>::infinity();
+    }
+    caster.closest_hits(packet);
+    for (std::size_t l = 0; l < lanes; ++l) {
+      Met& m = met[first + l];
+      m.escaped = packet.triangle[l] == kNoTriangle;
+      if (m.escaped) continue;
+      m.distance = packet.far[l];
+      m.back_face = !side_exists(geometry, packet.triangle[l],
+                                 side_met(geometry, packet.triangle[l], directions[first + l]));
+    }
+  }
+}
+
+/// Enclosed points of a grid over the scene.
+struct EnclosedGrid {
+  glm::ivec3 size{1};
+  glm::vec3 lower{0.0f};
+  float step = 1.0f;
+  std::vector<std::uint8_t> enclosed;
+
+  glm::vec3 point(std::size_t i) const {
+    const int x = int(i) % size.x, y = int(i) / size.x % size.y, z = int(i) / (size.x * size.y);
+    return lower + (glm::vec3(x, y, z) + 0.5f) * step;
+  }
+};
+
+EnclosedGrid find_enclosed(const Geometry& geometry, const RayCaster& caster) {
+  EnclosedGrid grid;
+  const glm::vec3 extent = geometry.upper - geometry.lower;
+  grid.lower = geometry.lower;
+  grid.step = std::max({extent.x, extent.y, extent.z}) / kGridPoints;
+  if (!(grid.step > 0.0f)) return grid;
+  grid.size = glm::max(glm::ivec3(1), glm::ivec3(glm::ceil(extent / grid.step - 1e-3f)));
+  std::array<glm::vec3, kDirections> directions;
+  for (int i = 0; i < kDirections; ++i) directions[std::size_t(i)] = sphere_direction(i, kDirections);
+  grid.enclosed.assign(std::size_t(grid.size.x) * std::size_t(grid.size.y) * std::size_t(grid.size.z), 0);
+  tbb::parallel_for(std::size_t{0}, grid.enclosed.size(), [&](std::size_t i) {
+    std::array<Met, kDirections> met;
+    look(geometry, caster, grid.point(i), directions, met);
+    int escaped = 0, back = 0;
+    for (const Met& m : met) escaped += m.escaped ? 1 : 0, back += m.back_face ? 1 : 0;
+    grid.enclosed[i] = escaped <= kMaxEscapes * kDirections && back <= kMaxBackFaces * kDirections ? 1 : 0;
+  });
+  return grid;
+}
+
+/// Enclosed points that can be reached from `seed` through enclosed neighbours with free ways between them.
+std::vector<std::size_t> flood(const EnclosedGrid& grid, const RayCaster& caster, std::size_t seed,
+                               std::vector<std::uint8_t>& taken) {
+  std::vector<std::size_t> room{seed};
+  taken[seed] = 1;
+  for (std::size_t next = 0; next < room.size(); ++next) {
+    const int i = int(room[next]);
+    const glm::ivec3 at{i % grid.size.x, i / grid.size.x % grid.size.y, i / (grid.size.x * grid.size.y)};
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const int way : {-1, 1}) {
+        glm::ivec3 to = at;
+        to[axis] += way;
+        if (to[axis] < 0 || to[axis] >= grid.size[axis]) continue;
+        const auto j = std::size_t(to.x + grid.size.x * (to.y + grid.size.y * to.z));
+        if (taken[j] != 0 || grid.enclosed[j] == 0 || caster.occluded(grid.point(room[next]), grid.point(j)))
+          continue;
+        taken[j] = 1;
+        room.push_back(j);
+      }
+    }
+  }
+  return room;
+}
+
+/// The rig's place over the points of a room: under its highest ceiling, as near to the middle as that
+/// allows.
+glm::vec3 light_place(const Geometry& geometry, const RayCaster& caster, const EnclosedGrid& grid,
+                      const std::vector<std::size_t>& room) {
+  constexpr std::array<glm::vec3, 2> kUpDown{glm::vec3(0, 1, 0), glm::vec3(0, -1, 0)};
+  glm::vec3 middle(0.0f);
+  for (const auto i : room) middle += grid.point(i) / float(room.size());
+  struct Place {
+    float ceiling, off_centre;
+    glm::vec3 light;
+  };
+  std::vector<Place> places;
+  float highest = std::numeric_limits<float>::lowest();
+  for (const auto i : room) {
+    const glm::vec3 p = grid.point(i);
+    std::array<Met, 2> met;
+    look(geometry, caster, p, kUpDown, met);
+    if (met[0].escaped) continue;
+    const float below = met[1].escaped ? grid.step : met[1].distance;
+    const float height = met[0].distance + below;
+    const float drop = height < 2.0f * kBelowCeiling ? 0.5f * height : kBelowCeiling;
+    const float ceiling = p.y + met[0].distance;
+    places.push_back(
+        {ceiling, glm::length(glm::vec2(p.x - middle.x, p.z - middle.z)), {p.x, ceiling - drop, p.z}});
+    highest = std::max(highest, ceiling);
+  }
+  if (places.empty()) return middle;
+  const float slack = 0.5f * grid.step;
+  std::erase_if(places, [&](const Place& place) { return place.ceiling < highest - slack; });
+  return std::min_element(places.begin(), places.end(),
+                          [](const Place& a, const Place& b) { return a.off_centre < b.off_centre; })
+      ->light;
+}
+
+bool scene_shines(const Scene& scene) {
+  if (!scene.lights.empty()) return true;
+  return std::any_of(scene.surfaces.begin(), scene.surfaces.end(), [&](const SceneSurface& surface) {
+    const SceneMaterial& m = scene.materials[surface.material];
+    return !m.unlit && (m.emission.r > 0.0 || m.emission.g > 0.0 || m.emission.b > 0.0);
+  });
+}
+
+Light rig_light(const glm::dvec3& position, std::size_t number) {
+  Light light;
+  light.name = fmt::format("rig{}", number);
+  light.intensity = Rgb(kRoomCandela);
+  light.position = position;
+  return light;
+}
+
+}  // namespace
+
+std::vector<Light> room_lights(const Geometry& geometry, const RayCaster& caster) {
+  const EnclosedGrid grid = find_enclosed(geometry, caster);
+  const auto enclosed = std::size_t(std::count(grid.enclosed.begin(), grid.enclosed.end(), std::uint8_t{1}));
+  std::vector<Light> lights;
+  if (double(enclosed) < kMinEnclosedShare * double(grid.enclosed.size())) return lights;
+  std::vector<std::uint8_t> taken(grid.enclosed.size(), 0);
+  for (std::size_t i = 0; i < grid.enclosed.size(); ++i) {
+    if (taken[i] != 0 || grid.enclosed[i] == 0) continue;
+    auto room = flood(grid, caster, i, taken);
+    // What one light does not see, round a corner, is a room to itself.
+    while (room.size() >= kMinRoomPoints && double(room.size()) >= kMinRoomShare * double(enclosed) &&
+           lights.size() < kMaxLights) {
+      const glm::vec3 light = light_place(geometry, caster, grid, room);
+      lights.push_back(rig_light(geometry.origin + glm::dvec3(light), lights.size() + 1));
+      if (std::erase_if(room, [&](std::size_t p) { return !caster.occluded(light, grid.point(p)); }) == 0)
+        break;
+    }
+  }
+  return lights;
+}
+
+void light_model(const Scene& scene, const Geometry& geometry, const RayCaster& caster, Model& model,
+                 std::vector<std::string>& warnings) {
+  model.lights = scene.lights;
+  model.lit_by_rig = !scene_shines(scene);
+  if (!model.lit_by_rig) return;
+  model.lights = room_lights(geometry, caster);
+  if (!model.lights.empty()) {
+    warnings.push_back(
+        fmt::format("{}: no light and no emission; lit by the stated rig: {} point light(s) of {} cd, {} m "
+                    "below the ceiling of each enclosed room",
+                    scene.file_name, model.lights.size(), kRoomCandela, kBelowCeiling));
+    return;
+  }
+  Light sun;
+  sun.type = LightType::directional;
+  sun.name = "rig sun";
+  sun.intensity = Rgb(kSunLux);
+  sun.direction = -glm::normalize(glm::dvec3(0.4, 1.0, 0.3));
+  model.lights.push_back(sun);
+  model.sky_radiance = Rgb(kSkyRadiance);
+  warnings.push_back(
+      fmt::format("{}: no light and no emission; lit by the stated rig: a sky of {} cd/m2 and a sun of {} lx "
+                  "from (0.4, 1, 0.3)",
+                  scene.file_name, kSkyRadiance, kSunLux));
+}
+
+}  // namespace relume

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+//
+// One row of form factors: cosine-weighted rays from a receiver, and area samples of possible emitters.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "precompute/emitters.h"
+#include "precompute/geometry.h"
+#include "precompute/ray_caster.h"
+#include "precompute/receiver.h"
+#include "precompute/sampling.h"
+#include "precompute/sender_lookup.h"
+
+namespace relume {
+
+/// Senders numbered through: clusters of all systems, then sky cells (6 n^2 of them). Ascending.
+struct FormFactorRow {
+  std::vector<std::uint32_t> senders;
+  std::vector<float> values;
+};
+
+struct TracedRow {
+  FormFactorRow row;
+  float back_face_share = 0.0f;  ///< of its rays; they add nothing to the row
+};
+
+/// All that rows share.
+struct RowScene {
+  const Geometry& geometry;
+  const RayCaster& caster;
+  const SenderLookup& lookup;
+  const Emitters& emitters;
+  std::uint32_t cluster_count = 0;
+  std::uint32_t sky_resolution = 0;
+  std::uint64_t seed = 0;
+};
+
+/// One per thread: holds the counters that a row is gathered in.
+class RowTracer {
+ public:
+  explicit RowTracer(const RowScene& scene);
+
+  /// `points` has as many rays as wanted. Form factors are shares of the rays; those of emitters come from
+  /// emitter sampling where they get any of points.count() / 4 area samples, and the rest of the row is
+  /// scaled so that the sum stays what the rays measured.
+  TracedRow trace(const Receiver& receiver, const SobolPoints& points);
+
+  std::uint64_t rays() const { return rays_; }
+  std::uint64_t occlusion_rays() const { return occlusion_rays_; }
+
+ private:
+  struct Totals {
+    std::uint32_t traced = 0, arrived = 0, back_faces = 0;
+  };
+  Totals trace_hemisphere(const Receiver& receiver, const SobolPoints& points, std::uint64_t key);
+  void count_hit(const RayPacket& packet, int lane, const glm::vec3& normal, std::uint32_t ray_count,
+                 Totals& totals);
+  void add_emitter_hit(std::uint32_t emitter, const RayPacket& packet, int lane, const glm::vec3& normal,
+                       std::uint32_t ray_count);
+  void sample_emitters(const Receiver& receiver, std::uint32_t ray_count, std::uint32_t traced,
+                       std::uint64_t key);
+  double area_sample(const Emitter& emitter, std::uint32_t samples, std::uint32_t ray_count,
+                     const SurfacePoint& origin, const SurfacePoint& target);
+  FormFactorRow finish_row(const Totals& totals);
+
+  const RowScene& scene_;
+  SobolPoints emitter_points_;
+  std::vector<std::uint32_t>
+      counts_;  ///< per sender: rays that arrived, except those counted in emitter_sums_
+  std::vector<std::uint32_t> touched_;   ///< senders with a count
+  std::vector<std::uint32_t> allotted_;  ///< per emitter: area samples
+  std::vector<double> emitter_sums_;     ///< per emitter: form factor
+  std::uint64_t rays_ = 0;
+  std::uint64_t occlusion_rays_ = 0;
+};
+
+}  // namespace relume

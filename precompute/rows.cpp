@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#include "precompute/rows.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <numeric>
+
+namespace relume {
+namespace {
+
+/// Tells the observer now and then how far a parallel loop is, and carries its wish to stop.
+class Progress {
+ public:
+  Progress(const ProgressObserver& observer, const char* stage, std::size_t total)
+      : observer_(observer), stage_(stage), total_(std::max<std::size_t>(total, 1)), step_(total / 256 + 1) {}
+  bool cancelled() const { return cancelled_; }
+  void one_done() {
+    const std::size_t done = ++done_;
+    if (!observer_ || done % step_ != 0) return;
+    const std::lock_guard lock(mutex_);
+    if (!cancelled_ && !observer_(stage_, double(done) / double(total_))) cancelled_ = true;
+  }
+
+ private:
+  const ProgressObserver& observer_;
+  const char* stage_;
+  std::size_t total_, step_;
+  std::atomic<std::size_t> done_{0};
+  std::atomic<bool> cancelled_{false};
+  std::mutex mutex_;
+};
+
+/// Area-weighted mean of rows, gathered densely.
+class RowMean {
+ public:
+  explicit RowMean(std::size_t senders) : sums_(senders, 0.0) {}
+  void add(const FormFactorRow& row, double weight) {
+    weight_ += weight;
+    for (std::size_t i = 0; i < row.senders.size(); ++i) {
+      double& sum = sums_[row.senders[i]];
+      if (sum == 0.0) touched_.push_back(row.senders[i]);
+      sum += weight * double(row.values[i]);
+    }
+  }
+  FormFactorRow finish() {
+    std::sort(touched_.begin(), touched_.end());
+    FormFactorRow row;
+    for (const auto sender : touched_) {
+      row.senders.push_back(sender);
+      row.values.push_back(float(sums_[sender] / weight_));
+      sums_[sender] = 0.0;
+    }
+    touched_.clear();
+    weight_ = 0.0;
+    return row;
+  }
+
+ private:
+  std::vector<double> sums_;
+  std::vector<std::uint32_t> touched_;
+  double weight_ = 0.0;
+};
+
+struct Worker {
+  explicit Worker(const RowScene& scene)
+      : tracer(scene), mean(scene.cluster_count + 6 * scene.sky_resolution * scene.sky_resolution) {}
+  RowTracer tracer;
+  RowMean mean;
+};
+using Workers = tbb::enumerable_thread_specific<Worker>;
+
+void add_counts(const Workers& workers, RowCounts& counts) {
+  for (const Worker& worker : workers) {
+    counts.rays += worker.tracer.rays();
+    counts.occlusion_rays += worker.tracer.occlusion_rays();
+  }
+}
+
+/// Row of one cluster, and those of its elements.
+void trace_cluster(const std::vector<Chart>& charts, const ClusteredSurface& system,
+                   std::span<const std::uint32_t> members, const std::vector<bool>& own_element,
+                   const SobolPoints& points, Worker& worker, FormFactorRow& cluster_row, SystemRows& rows) {
+  std::vector<TracedRow> traced;
+  bool any_valid = false;
+  for (const auto e : members) {
+    const Element& element = system.surface.elements[e];
+    traced.push_back(
+        worker.tracer.trace(Receiver::element(system.surface, element, charts[element.chart].side), points));
+    rows.element_back_face_share[e] = traced.back().back_face_share;
+    any_valid = any_valid || traced.back().back_face_share <= kInvalidShare;
+  }
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    if (any_valid && traced[i].back_face_share > kInvalidShare) continue;
+    worker.mean.add(traced[i].row, system.surface.elements[members[i]].area);
+  }
+  cluster_row = worker.mean.finish();
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    if (own_element[members[i]]) rows.elements[members[i]] = std::move(traced[i].row);
+  }
+}
+
+/// Elements of each cluster, ascending.
+std::vector<std::vector<std::uint32_t>> members_of_clusters(const ClusteredSurface& system) {
+  std::vector<std::vector<std::uint32_t>> members(system.cluster_count);
+  for (std::uint32_t e = 0; e < system.cluster.size(); ++e) members[system.cluster[e]].push_back(e);
+  return members;
+}
+
+}  // namespace
+
+Result<SystemRows> trace_system(const RowScene& scene, const std::vector<Chart>& charts,
+                                const ClusteredSurface& system, const std::vector<bool>& own_element,
+                                const RowOptions& options, RowCounts& counts,
+                                const ProgressObserver& observer) {
+  SystemRows rows;
+  rows.clusters.resize(system.cluster_count);
+  rows.elements.resize(system.surface.elements.size());
+  rows.element_back_face_share.resize(system.surface.elements.size());
+  const auto members = members_of_clusters(system);
+  const SobolPoints points(options.quality);
+  Workers workers([&] { return Worker(scene); });
+  Progress progress(observer, "rays", system.cluster_count);
+  tbb::parallel_for(std::uint32_t{0}, system.cluster_count, [&](std::uint32_t c) {
+    if (progress.cancelled()) return;
+    trace_cluster(charts, system, members[c], own_element, points, workers.local(), rows.clusters[c], rows);
+    progress.one_done();
+  });
+  if (progress.cancelled()) return fail(ErrorCode::cancelled, "stopped while tracing rays");
+  add_counts(workers, counts);
+  return rows;
+}
+
+Result<std::vector<FormFactorRow>> trace_sensors(const RowScene& scene, std::span<const SurfacePoint> points,
+                                                 const RowOptions& options, RowCounts& counts,
+                                                 const ProgressObserver& observer) {
+  std::vector<FormFactorRow> rows(points.size());
+  const SobolPoints samples(points.empty() ? 0 : options.sensor_quality);
+  Workers workers([&] { return Worker(scene); });
+  Progress progress(observer, "sensors", points.size());
+  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+    if (progress.cancelled()) return;
+    rows[i] = workers.local().tracer.trace(Receiver::point(points[i]), samples).row;
+    progress.one_done();
+  });
+  if (progress.cancelled()) return fail(ErrorCode::cancelled, "stopped while tracing the rays of sensors");
+  add_counts(workers, counts);
+  return rows;
+}
+
+}  // namespace relume
