@@ -11,17 +11,26 @@
 namespace relume {
 
 struct SceneLimits {
-  std::uint64_t max_file_bytes = std::uint64_t{2} << 30;  ///< of any one file that is read
+  std::uint64_t max_file_bytes = std::uint64_t{2}
+                                 << 30;  ///< of the scene file, and again of all that it refers to, unpacked
+  std::uint64_t max_json_bytes = std::uint64_t{256} << 20;
   std::uint32_t max_json_depth = 64;
-  std::uint64_t max_image_pixels = std::uint64_t{1} << 28;
+  std::uint64_t max_image_pixels = std::uint64_t{1}
+                                   << 26;  ///< of one image; all together may have four times as many
+  std::uint64_t max_triangles = std::uint64_t{1} << 25;  ///< with every instance counted
 };
 
-/// Reads .gltf or .glb (default scene, or the first). World transforms are in double precision. Nothing outside the scene file's folder is opened.
-/// Everything is validated before use; the error is one line with file, JSON path or byte offset, what was expected and found (bad_input).
-/// What is not supported is named in Scene::warnings. Triangles that are not finite, of zero area, or repeated are dropped and counted in one warning.
+/// Reads .gltf or .glb (default scene, or the first; without any, all nodes). World transforms are in double
+/// precision. Nothing outside the scene file's folder is opened. Everything is validated before use; the
+/// error is one line with file, JSON path or byte offset, what was expected and found (bad_input;
+/// out_of_memory where memory ends). What is not supported is named in Scene::warnings. Triangles that are
+/// not finite, of zero area, or repeated are dropped and counted in one warning; those of dynamic nodes in
+/// another. A material that a file leaves out reflects 0.5. Numbers in a file that are not finite are an
+/// error.
 Result<Scene> load_scene(const std::filesystem::path& file, const SceneLimits& limits = {});
 
-/// Reads a Radiance .hdr (equirectangular, core/sky.h).
-Result<EquirectangularSky> load_sky(const std::filesystem::path& file);
+/// Reads a Radiance .hdr (equirectangular, core/sky.h; width = 2 x height). Values must be finite and not
+/// below 0.
+Result<EquirectangularSky> load_sky(const std::filesystem::path& file, const SceneLimits& limits = {});
 
 }  // namespace relume

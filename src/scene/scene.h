@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// A scene as Relume sees it: static surfaces in world space, their materials, punctual lights, cameras. Read from glTF 2.0
-// by load_scene (scene/load_scene.h).
+// A scene as Relume sees it: static surfaces in world space, their materials, punctual lights, cameras. Read
+// from glTF 2.0 by load_scene (scene/load_scene.h).
 #pragma once
 
 #include <array>
@@ -39,16 +39,16 @@ struct TextureUse {
 };
 
 struct SceneMaterial {
-  std::string name;            ///< unique
-  Rgb base_color{1.0};         ///< linear factor
-  double alpha = 1.0;          ///< factor
-  Rgb emission{0.0};           ///< radiance, cd/m2: emissive factor x strength
+  std::string name;     ///< unique
+  Rgb base_color{1.0};  ///< linear factor
+  double alpha = 1.0;   ///< factor
+  Rgb emission{0.0};    ///< radiance, cd/m2: emissive factor x strength
   std::optional<TextureUse> base_color_texture;
   std::optional<TextureUse> emission_texture;
   AlphaMode alpha_mode = AlphaMode::opaque;
   double alpha_cutoff = 0.5;
   bool double_sided = false;
-  bool unlit = false;          ///< neither bounces nor emits
+  bool unlit = false;  ///< neither bounces nor emits
 };
 
 /// `extras.relume` of a node, inherited by its children unless they say otherwise. Absent = not said.
@@ -56,10 +56,10 @@ struct NodeExtras {
   std::optional<bool> is_static;
   std::optional<std::string> receiver;  ///< "lightmap", "clusters", "probes" or "none"
   std::optional<std::string> system;
-  std::optional<double> texel_size;     ///< m
+  std::optional<double> texel_size;  ///< m
   std::optional<std::uint32_t> quality;
   std::optional<std::uint32_t> budget;
-  std::optional<bool> emitter;          ///< its materials may emit later
+  std::optional<bool> emitter;  ///< its materials may emit later
 };
 
 /// A node that carries surfaces, once per instance.
@@ -69,7 +69,7 @@ struct SceneNode {
   bool is_static = true;  ///< false: animated, skinned, or extras say so; its triangles are not in the scene
 };
 
-/// The triangles that one node has of one material.
+/// A run of triangles of one node and one material: one primitive of a glTF mesh.
 struct SceneSurface {
   std::uint32_t node = 0;
   std::uint32_t material = 0;
@@ -85,7 +85,15 @@ struct SceneVertices {
   std::vector<glm::dvec3> positions;  ///< world space, m
   std::vector<glm::vec2> uv0;
   std::vector<glm::vec2> uv1;
-  std::vector<glm::vec4> colors;      ///< linear
+  std::vector<glm::vec4> colors;  ///< linear
+};
+
+/// Triangles of the file that are not in the scene.
+struct DroppedTriangles {
+  std::uint64_t without_area = 0;
+  std::uint64_t repeated = 0;    ///< the same corners in the same sense as an earlier triangle
+  std::uint64_t not_finite = 0;  ///< or beyond 1e18 m
+  std::uint64_t dynamic = 0;     ///< of animated and skinned nodes, and of those that say so
 };
 
 struct Scene {
@@ -94,10 +102,12 @@ struct Scene {
   std::vector<SceneMaterial> materials;
   std::vector<SceneImage> images;
   SceneVertices vertices;
-  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< of static nodes; counter-clockwise seen from the front, also under negative scales
-  std::vector<SceneSurface> surfaces;                   ///< cover `triangles` in order, without gaps
+  std::vector<std::array<std::uint32_t, 3>>
+      triangles;  ///< of static nodes; counter-clockwise seen from the front, also under negative scales
+  std::vector<SceneSurface> surfaces;  ///< cover `triangles` in order, without gaps
   std::vector<Light> lights;
   std::vector<Camera> cameras;
+  DroppedTriangles dropped;
   std::vector<std::string> warnings;  ///< one sentence each, without a final newline
 };
 

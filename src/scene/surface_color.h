@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What a surface reflects and emits, averaged over area; and how a model takes both from an edited copy of its scene.
+// What a surface reflects and emits, averaged over area; and how a model takes both from an edited copy of
+// its scene.
 #pragma once
 
 #include <array>
@@ -21,31 +22,33 @@ struct SurfaceColor {
   Rgb radiance{0.0};  ///< emitted, cd/m2
 };
 
-/// Area mean over the part of triangle `triangle` whose corners have the barycentric coordinates `corners` (as SurfacePiece); sRGB is decoded before
-/// averaging. Unlit materials give zero for both.
+/// Area mean over the part of triangle `triangle` whose corners have the barycentric coordinates `corners`
+/// (as SurfacePiece); sRGB is decoded before averaging. Unlit materials give zero for both.
 SurfaceColor mean_color(const Scene& scene, std::uint32_t triangle, const std::array<glm::vec2, 3>& corners);
 
 /// Per triangle: index of its surface in Scene::surfaces.
 std::vector<std::uint32_t> surface_of_triangles(const Scene& scene);
 
 struct ClusterColors {
-  std::vector<Rgb> albedo;    ///< per cluster of all systems, clamped to max_albedo
-  std::vector<Rgb> exitance;  ///< lm/m2
+  std::vector<Rgb> albedo;              ///< per cluster of all systems, clamped to max_albedo
+  std::vector<Rgb> exitance;            ///< lm/m2
   std::uint32_t clamped_materials = 0;  ///< materials with an albedo above max_albedo
 };
 
-/// Averages the materials of `scene` over the pieces of each cluster. The scene's triangles must be those of the model (check_same_geometry).
+/// Averages the materials of `scene` over the pieces of each cluster. The scene's triangles must be those of
+/// the model (check_same_geometry).
 ClusterColors cluster_colors(const Model& model, const Scene& scene, double max_albedo);
 
-/// Hash of what a precompute depends on: positions after transform, material assignment, sidedness, alpha, static or dynamic; not colours, not lights. Per
-/// node (in the order of Scene::nodes) and over all.
+/// Hash of what a precompute depends on: positions after transform, material assignment, sidedness, alpha,
+/// static or dynamic; not colours, not lights. Per node (in the order of Scene::nodes) and over all.
 struct GeometryHash {
   std::vector<NodeRecord> nodes;
   std::uint64_t total = 0;
 };
 GeometryHash geometry_hash(const Scene& scene);
 
-/// Error (bad_input) with a sentence that names the nodes that moved, appeared or went, when the scene is not the one of the model.
+/// Error (bad_input) with a sentence that names the nodes that moved, appeared or went, when the scene is not
+/// the one of the model.
 Result<void> check_same_geometry(const Model& model, const Scene& scene);
 
 }  // namespace relume

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "scene/surface_color.h"
+
+namespace relume {
+namespace {
+
+constexpr std::size_t kNodesNamed = 5;
+
+/// XXH3 over values and strings, one after the other.
+class Hasher {
+ public:
+  Hasher() { XXH3_64bits_reset(&state_); }
+  template <class T>
+  void add(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    XXH3_64bits_update(&state_, &value, sizeof(T));
+  }
+  void add_text(const std::string& text) {
+    add(std::uint64_t{text.size()});
+    XXH3_64bits_update(&state_, text.data(), text.size());
+  }
+  std::uint64_t digest() const { return XXH3_64bits_digest(&state_); }
+
+ private:
+  XXH3_state_t state_;
+};
+
+void add_material(const SceneMaterial& material, Hasher& hasher) {
+  hasher.add_text(material.name);
+  hasher.add(static_cast<std::uint32_t>(material.double_sided));
+  hasher.add(material.alpha_mode);
+  if (material.alpha_mode != AlphaMode::opaque) {
+    hasher.add(material.alpha);
+    hasher.add(material.alpha_cutoff);
+  }
+}
+
+/// Positions count as float: exporters that write the same matrix in another way differ in the last bits of a
+/// double.
+void add_surface(const Scene& scene, const SceneSurface& surface, Hasher& hasher) {
+  add_material(scene.materials[surface.material], hasher);
+  hasher.add(surface.triangle_count);
+  for (std::uint32_t t = 0; t < surface.triangle_count; ++t) {
+    for (const std::uint32_t corner : scene.triangles[surface.first_triangle + t]) {
+      hasher.add(glm::vec3(scene.vertices.positions[corner]) + 0.0f);
+    }
+  }
+}
+
+/// "a, b, c and 4 more", of at most kNodesNamed names.
+std::string listed(const std::vector<std::string>& paths, const char* what) {
+  if (paths.empty()) return "";
+  const auto shown = paths.begin() + static_cast<std::ptrdiff_t>(std::min(paths.size(), kNodesNamed));
+  std::string text = fmt::format("; {}: {}", what, fmt::join(paths.begin(), shown, ", "));
+  if (paths.size() > kNodesNamed) text += fmt::format(" and {} more", paths.size() - kNodesNamed);
+  return text;
+}
+
+}  // namespace
+
+GeometryHash geometry_hash(const Scene& scene) {
+  std::vector<Hasher> hashers(scene.nodes.size());
+  for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
+    hashers[n].add(static_cast<std::uint32_t>(scene.nodes[n].is_static));
+  }
+  for (const SceneSurface& surface : scene.surfaces) add_surface(scene, surface, hashers[surface.node]);
+  GeometryHash out;
+  Hasher total;
+  for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
+    out.nodes.push_back({scene.nodes[n].path, hashers[n].digest()});
+    total.add_text(out.nodes.back().path);
+    total.add(out.nodes.back().geometry_hash);
+  }
+  out.total = total.digest();
+  return out;
+}
+
+Result<void> check_same_geometry(const Model& model, const Scene& scene) {
+  const GeometryHash now = geometry_hash(scene);
+  if (now.total == model.geometry_hash) return {};
+  std::unordered_map<std::string, std::uint64_t> before;
+  for (const NodeRecord& node : model.nodes) before.emplace(node.path, node.geometry_hash);
+  std::vector<std::string> changed;
+  std::vector<std::string> appeared;
+  std::vector<std::string> gone;
+  for (const NodeRecord& node : now.nodes) {
+    const auto known = before.find(node.path);
+    if (known == before.end()) {
+      appeared.push_back(node.path);
+      continue;
+    }
+    if (known->second != node.geometry_hash) changed.push_back(node.path);
+    before.erase(known);
+  }
+  for (const NodeRecord& node : model.nodes) {
+    if (before.count(node.path) != 0) gone.push_back(node.path);
+  }
+  std::string what = listed(changed, "moved or changed") + listed(appeared, "new") + listed(gone, "gone");
+  if (what.empty()) what = "; the nodes stand in another order";
+  return fail(ErrorCode::bad_input, fmt::format("{}: its geometry is not that of {}, which was precomputed{}",
+                                                scene.file_name, model.provenance.scene_file, what));
+}
+
+}  // namespace relume

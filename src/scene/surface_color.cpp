@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+#include "scene/surface_color.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <set>
+
+namespace relume {
+namespace {
+
+using Corners = std::array<glm::vec2, 3>;
+
+constexpr double kSamplesPerTexel = 4.0;
+constexpr double kMinSamples = 4.0;
+constexpr double kMaxSamples = 4096.0;
+
+const SceneSurface& surface_of(const Scene& scene, std::uint32_t triangle) {
+  const auto after = std::upper_bound(
+      scene.surfaces.begin(), scene.surfaces.end(), triangle,
+      [](std::uint32_t t, const SceneSurface& surface) { return t < surface.first_triangle; });
+  return *std::prev(after);
+}
+
+/// IEC 61966-2-1.
+double linear_from_srgb(std::uint8_t code) {
+  static const std::array<double, 256> table = [] {
+    std::array<double, 256> values{};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const double v = static_cast<double>(i) / 255.0;
+      values[i] = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+    }
+    return values;
+  }();
+  return table[code];
+}
+
+std::uint32_t wrapped_texel(double t, WrapMode mode, std::uint32_t size) {
+  if (!std::isfinite(t)) return 0;
+  if (mode == WrapMode::repeat) t -= std::floor(t);
+  if (mode == WrapMode::mirrored_repeat) {
+    t -= 2.0 * std::floor(t / 2.0);
+    if (t > 1.0) t = 2.0 - t;
+  }
+  const double texel = std::clamp(t, 0.0, 1.0) * size;
+  return std::min(static_cast<std::uint32_t>(texel), size - 1);
+}
+
+Rgb texel_color(const SceneImage& image, const TextureUse& use, const glm::dvec2& uv) {
+  const glm::dvec3 at = use.transform * glm::dvec3(uv, 1.0);
+  const std::size_t x = wrapped_texel(at.x, use.wrap_s, image.width);
+  const std::size_t y = wrapped_texel(at.y, use.wrap_t, image.height);
+  const std::uint8_t* rgba = &image.rgba[4 * (y * image.width + x)];
+  return {linear_from_srgb(rgba[0]), linear_from_srgb(rgba[1]), linear_from_srgb(rgba[2])};
+}
+
+/// One triangle of a scene with all that its colour depends on.
+struct ColoredTriangle {
+  const Scene& scene;
+  const SceneMaterial& material;
+  std::array<std::uint32_t, 3> vertices;
+
+  template <class V>
+  V interpolated(const std::vector<V>& values, const glm::dvec2& b) const {
+    using T = typename V::value_type;
+    return static_cast<T>(1.0 - b.x - b.y) * values[vertices[0]] + static_cast<T>(b.x) * values[vertices[1]] +
+           static_cast<T>(b.y) * values[vertices[2]];
+  }
+
+  glm::dvec2 uv(const TextureUse& use, const glm::dvec2& b) const {
+    return interpolated(use.uv_set == 0 ? scene.vertices.uv0 : scene.vertices.uv1, b);
+  }
+
+  Rgb texture(const std::optional<TextureUse>& use, const glm::dvec2& b) const {
+    return use ? texel_color(scene.images[use->image], *use, uv(*use, b)) : Rgb(1.0);
+  }
+
+  SurfaceColor at(const glm::dvec2& b) const {
+    const Rgb vertex_color(glm::vec3(interpolated(scene.vertices.colors, b)));
+    return {material.base_color * vertex_color * texture(material.base_color_texture, b),
+            material.emission * texture(material.emission_texture, b)};
+  }
+
+  /// How many texels a piece covers.
+  double texels(const std::optional<TextureUse>& use, const Corners& corners) const {
+    if (!use) return 0.0;
+    std::array<glm::dvec2, 3> p{};
+    const SceneImage& image = scene.images[use->image];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const glm::dvec3 at = use->transform * glm::dvec3(uv(*use, glm::dvec2(corners[i])), 1.0);
+      p[i] = glm::dvec2(at) * glm::dvec2(image.width, image.height);
+    }
+    const glm::dvec2 a = p[1] - p[0];
+    const glm::dvec2 b = p[2] - p[0];
+    return std::abs(a.x * b.y - a.y * b.x) / 2.0;
+  }
+};
+
+/// Point i of the R2 sequence (M. Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018),
+/// folded into the triangle.
+glm::dvec2 sample_point(std::uint32_t i, const Corners& corners) {
+  double u = std::fmod(0.5 + 0.7548776662466927 * (i + 1), 1.0);
+  double v = std::fmod(0.5 + 0.5698402909980532 * (i + 1), 1.0);
+  if (u + v > 1.0) {
+    u = 1.0 - u;
+    v = 1.0 - v;
+  }
+  const glm::dvec2 a(corners[0]);
+  return a + u * (glm::dvec2(corners[1]) - a) + v * (glm::dvec2(corners[2]) - a);
+}
+
+std::uint32_t sample_count(const ColoredTriangle& triangle, const Corners& corners) {
+  const double texels = std::max(triangle.texels(triangle.material.base_color_texture, corners),
+                                 triangle.texels(triangle.material.emission_texture, corners));
+  const double wanted = kSamplesPerTexel * texels;
+  return static_cast<std::uint32_t>(wanted < kMaxSamples ? std::max(wanted, kMinSamples) : kMaxSamples);
+}
+
+/// Share of its triangle that a piece covers: twice its area in barycentric coordinates.
+double piece_share(const Corners& corners) {
+  const glm::dvec2 a = glm::dvec2(corners[1]) - glm::dvec2(corners[0]);
+  const glm::dvec2 b = glm::dvec2(corners[2]) - glm::dvec2(corners[0]);
+  return std::abs(a.x * b.y - a.y * b.x);
+}
+
+double triangle_area(const Occluders& occluders, std::uint32_t triangle) {
+  const auto& corners = occluders.triangles[triangle];
+  const glm::dvec3 a(occluders.positions[corners[0]]);
+  const glm::dvec3 b(occluders.positions[corners[1]]);
+  const glm::dvec3 c(occluders.positions[corners[2]]);
+  return glm::length(glm::cross(b - a, c - a)) / 2.0;
+}
+
+/// Area mean over all pieces of a cluster.
+SurfaceColor cluster_color(const Model& model, const System& system, const Cluster& cluster,
+                           const Scene& scene) {
+  SurfaceColor sum;
+  double area = 0.0;
+  for (std::uint32_t e = 0; e < cluster.element_count; ++e) {
+    const SurfaceElement& element = system.elements[cluster.first_element + e];
+    for (std::uint32_t p = 0; p < element.piece_count; ++p) {
+      const SurfacePiece& piece = system.pieces[element.first_piece + p];
+      const double weight = triangle_area(model.occluders, piece.triangle) * piece_share(piece.corners);
+      const SurfaceColor color = mean_color(scene, piece.triangle, piece.corners);
+      sum.albedo += weight * color.albedo;
+      sum.radiance += weight * color.radiance;
+      area += weight;
+    }
+  }
+  if (area > 0.0) {
+    sum.albedo /= area;
+    sum.radiance /= area;
+  }
+  return sum;
+}
+
+std::uint32_t material_of(const Scene& scene, const System& system, const Cluster& cluster) {
+  const SurfaceElement& element = system.elements[cluster.first_element];
+  return surface_of(scene, system.pieces[element.first_piece].triangle).material;
+}
+
+}  // namespace
+
+SurfaceColor mean_color(const Scene& scene, std::uint32_t triangle, const Corners& corners) {
+  const SceneMaterial& material = scene.materials[surface_of(scene, triangle).material];
+  if (material.unlit) return {};
+  const ColoredTriangle colored{scene, material, scene.triangles[triangle]};
+  if (!material.base_color_texture && !material.emission_texture) {
+    const glm::vec2 centroid = (corners[0] + corners[1] + corners[2]) / 3.0f;
+    return colored.at(glm::dvec2(centroid));
+  }
+  SurfaceColor sum;
+  const std::uint32_t count = sample_count(colored, corners);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const SurfaceColor color = colored.at(sample_point(i, corners));
+    sum.albedo += color.albedo;
+    sum.radiance += color.radiance;
+  }
+  return {sum.albedo / static_cast<double>(count), sum.radiance / static_cast<double>(count)};
+}
+
+std::vector<std::uint32_t> surface_of_triangles(const Scene& scene) {
+  std::vector<std::uint32_t> out(scene.triangles.size());
+  for (std::uint32_t s = 0; s < scene.surfaces.size(); ++s) {
+    const auto first = out.begin() + scene.surfaces[s].first_triangle;
+    std::fill(first, first + scene.surfaces[s].triangle_count, s);
+  }
+  return out;
+}
+
+ClusterColors cluster_colors(const Model& model, const Scene& scene, double max_albedo) {
+  ClusterColors out;
+  std::set<std::uint32_t> clamped;
+  for (const System& system : model.systems) {
+    for (const Cluster& cluster : system.clusters) {
+      const SurfaceColor color = cluster_color(model, system, cluster, scene);
+      const Rgb albedo = glm::clamp(color.albedo, Rgb(0.0), Rgb(max_albedo));
+      if (albedo != color.albedo) clamped.insert(material_of(scene, system, cluster));
+      out.albedo.push_back(albedo);
+      out.exitance.push_back(exitance_from_radiance(color.radiance));
+    }
+  }
+  out.clamped_materials = static_cast<std::uint32_t>(clamped.size());
+  return out;
+}
+
+}  // namespace relume
