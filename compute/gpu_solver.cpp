@@ -178,7 +178,7 @@ bool GpuSolver::record_upload(VkCommandBuffer commands, const UploadData& data, 
     cursor.byte += bytes;
     if (cursor.byte == piece.bytes.size()) cursor = {cursor.piece + 1, 0};
   }
-  record_barrier(state_->functions, commands, kTransferWrite, kComputeReadWrite);
+  record_barrier(state_->functions, commands, kTransferWrite, kComputeAndCopy);
   return cursor.piece == data.pieces.size();
 }
 
@@ -199,8 +199,8 @@ RadiosityHalf GpuSolver::record_bounces(VkCommandBuffer commands, std::uint32_t 
   return from;
 }
 
-bool GpuSolver::record_bounce_part(VkCommandBuffer commands, RadiosityHalf from, PassCursor& cursor,
-                                   std::uint64_t max_cost) const {
+PassPart GpuSolver::record_bounce_part(VkCommandBuffer commands, RadiosityHalf from, PassCursor& cursor,
+                                       std::uint64_t max_cost) const {
   const ScopedLabel label(state_->functions, commands, "relume bounce");
   return record_pass_part(*state_, commands, state_->bounce, from, cursor, max_cost);
 }
@@ -210,8 +210,8 @@ void GpuSolver::record_gather(VkCommandBuffer commands, RadiosityHalf from) cons
   record_gather_part(commands, from, cursor, kNoLimit);
 }
 
-bool GpuSolver::record_gather_part(VkCommandBuffer commands, RadiosityHalf from, PassCursor& cursor,
-                                   std::uint64_t max_cost) const {
+PassPart GpuSolver::record_gather_part(VkCommandBuffer commands, RadiosityHalf from, PassCursor& cursor,
+                                       std::uint64_t max_cost) const {
   const ScopedLabel label(state_->functions, commands, "relume gather");
   return record_pass_part(*state_, commands, state_->gather, from, cursor, max_cost);
 }
@@ -221,7 +221,7 @@ void GpuSolver::record_residual(VkCommandBuffer commands, RadiosityHalf last) co
   const BufferRange record = residual();
   record_barrier(state_->functions, commands, kComputeAndCopy, kTransferWrite);
   state_->functions.cmd_fill_buffer(commands, record.buffer, record.offset, record.byte_size, 0);
-  record_barrier(state_->functions, commands, kTransferWrite, kComputeReadWrite);
+  record_barrier(state_->functions, commands, kTransferWrite, kComputeAndCopy);
   record_solve_kernel(*state_, commands, KernelId::residual, other_half(last));
   record_barrier(state_->functions, commands, kComputeWrite, kComputeAndCopy);
 }

@@ -2,25 +2,27 @@
 //
 // The solve on a device that somebody else owns: B = M + rho (H + K b), I = G b (core/solve.h).
 //
-// The life of a solver: create -> the host provides buffers() -> bind -> record_upload of model_data, then of
-// lighting_data -> record_start -> record_bounces, record_residual, record_gather in any number. A record
-// function only appends copies, dispatches and barriers to a command buffer in recording state (a primary one
-// outside a render pass, for a queue that can compute): it never submits, waits or allocates, and the solver
-// remembers nothing of it, so a command buffer may be dropped, or submitted again. All record functions are
-// const and may be called from several threads for different command buffers.
+// The life of a solver: create; the host provides buffers() and binds them; record_upload of model_data, then
+// of lighting_data; record_start; then record_bounces, record_residual and record_gather in any number.
 //
-// Synchronisation. Inside a record function, and between record functions that run one after another on one
-// queue, the barriers are the solver's. For everything else:
-//   record_upload     first TRANSFER_WRITE of the buffers named by the data, after all work of the solver
-//   before it; last: TRANSFER_WRITE, made
-//                     visible to COMPUTE_SHADER. The host makes its writes to the staging memory visible to
-//                     TRANSFER (submitting does).
-//   record_start,     first COMPUTE_SHADER read, last COMPUTE_SHADER / SHADER_WRITE of radiosity (start,
-//   bounces) or irradiance (gather), _bounces, _gather made visible to COMPUTE_SHADER and to TRANSFER reads.
-//   The host adds a barrier for any other stage. record_residual   first TRANSFER_WRITE, last COMPUTE_SHADER
-//   / SHADER_WRITE of the residual, made visible to COMPUTE_SHADER and TRANSFER reads.
-// It leaves behind: the bound compute pipeline, descriptor sets 0 to 2 and push constants [0, 16) of the
-// compute bind point.
+// A record function only appends copies, dispatches and barriers to a command buffer in recording state
+// (outside a render pass, for a queue that can compute). It never submits, waits or allocates, and the solver
+// remembers nothing of it, so a command buffer may be dropped, or submitted again. Record functions may be
+// called from several threads at once for different command buffers.
+//
+// Synchronisation: inside a record function, and between record functions that run one after another on one
+// queue, the barriers are the solver's. At the border to everything else, begin -> end:
+//
+//   record_upload    TRANSFER write -> TRANSFER write, of the buffers that the data names
+//   record_start     COMPUTE_SHADER read -> COMPUTE_SHADER write of both radiosities
+//   record_bounces   COMPUTE_SHADER read -> COMPUTE_SHADER write of radiosity and local radiosity
+//   record_gather    COMPUTE_SHADER read -> COMPUTE_SHADER write of irradiance and local radiosity
+//   record_residual  TRANSFER write -> COMPUTE_SHADER write of the residual
+//
+// The ends are made visible to COMPUTE_SHADER and to TRANSFER reads, so that a host copies results out
+// without a barrier of its own; for any other stage it adds one, and one after reads of its own before the
+// solver writes again. Left behind: the bound compute pipeline, descriptor sets 0 to 2 and push constants [0,
+// 16) of the compute bind point.
 //
 // What it does not do: own memory, queues or command buffers; compile kernels at run time; choose a device
 // (compute/standalone does).
@@ -61,9 +63,19 @@ struct SolverOptions {
 /// Radiosity lives in two halves: a bounce reads one and writes the other.
 enum class RadiosityHalf : std::uint32_t { a, b };
 
+inline RadiosityHalf other_half(RadiosityHalf half) {
+  return half == RadiosityHalf::a ? RadiosityHalf::b : RadiosityHalf::a;
+}
+
 /// How far a bounce or gather got, in dispatches. A value of the host's.
 struct PassCursor {
   std::uint32_t next_dispatch = 0;
+};
+
+/// What a part of a bounce or gather came to.
+struct PassPart {
+  bool complete = false;   ///< the pass has no more parts
+  std::uint64_t cost = 0;  ///< form factors recorded
 };
 
 /// What the last bounce changed, as maxima over all clusters, per channel.
@@ -123,17 +135,17 @@ class GpuSolver {
   /// `count` bounces from the radiosity in `from`. Returns the half that the last one wrote.
   RadiosityHalf record_bounces(VkCommandBuffer commands, std::uint32_t count, RadiosityHalf from) const;
 
-  /// The part of one bounce that starts at `cursor` and has at most `max_cost` form factors, but at least one
-  /// dispatch. True when the bounce is complete; the half that it writes holds nothing of use before.
-  bool record_bounce_part(VkCommandBuffer commands, RadiosityHalf from, PassCursor& cursor,
-                          std::uint64_t max_cost) const;
+  /// The part of one bounce that starts at `cursor`, which moves on, and has at most `max_cost` form factors,
+  /// but at least one dispatch. The half that the bounce writes holds nothing of use until it is complete.
+  PassPart record_bounce_part(VkCommandBuffer commands, RadiosityHalf from, PassCursor& cursor,
+                              std::uint64_t max_cost) const;
 
   /// Irradiance of all gather rows from the radiosity in `from`.
   void record_gather(VkCommandBuffer commands, RadiosityHalf from) const;
 
   /// The part of a gather, as record_bounce_part.
-  bool record_gather_part(VkCommandBuffer commands, RadiosityHalf from, PassCursor& cursor,
-                          std::uint64_t max_cost) const;
+  PassPart record_gather_part(VkCommandBuffer commands, RadiosityHalf from, PassCursor& cursor,
+                              std::uint64_t max_cost) const;
 
   /// What the bounce that wrote `last` changed; the other half must still hold what it read.
   void record_residual(VkCommandBuffer commands, RadiosityHalf last) const;

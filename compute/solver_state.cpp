@@ -53,19 +53,20 @@ void record_solve_kernel(const SolverState& state, VkCommandBuffer commands, Ker
   functions.cmd_dispatch(commands, workgroup_count(range.count), 1, 1);
 }
 
-bool record_pass_part(const SolverState& state, VkCommandBuffer commands, const Pass& pass,
-                      RadiosityHalf from, PassCursor& cursor, std::uint64_t max_cost) {
-  std::uint64_t cost = 0;
+PassPart record_pass_part(const SolverState& state, VkCommandBuffer commands, const Pass& pass,
+                          RadiosityHalf from, PassCursor& cursor, std::uint64_t max_cost) {
+  PassPart part;
   const std::uint32_t first = cursor.next_dispatch;
   for (; cursor.next_dispatch < pass.size(); ++cursor.next_dispatch) {
     const DispatchStep& step = pass[cursor.next_dispatch];
-    cost += step.cost;
-    if (cost > max_cost && cursor.next_dispatch > first) break;
+    if (part.cost + step.cost > max_cost && cursor.next_dispatch > first) break;
+    part.cost += step.cost;
     if (step.barrier_before) record_barrier(state.functions, commands, kComputeWrite, kComputeReadWrite);
     record_step(state, commands, step, from);
   }
   record_barrier(state.functions, commands, kComputeWrite, kComputeAndCopy);
-  return cursor.next_dispatch == pass.size();
+  part.complete = cursor.next_dispatch == pass.size();
+  return part;
 }
 
 }  // namespace relume

@@ -27,17 +27,13 @@ struct SolverState {
   DescriptorSets sets;
 };
 
-inline RadiosityHalf other_half(RadiosityHalf half) {
-  return half == RadiosityHalf::a ? RadiosityHalf::b : RadiosityHalf::a;
-}
-
 /// A kernel that works on all padded clusters and the set of the whole solve. No barriers.
 void record_solve_kernel(const SolverState& state, VkCommandBuffer commands, KernelId kernel,
                          RadiosityHalf half_in);
 
 /// Steps of a pass from the cursor on while their cost fits, at least one, with the barriers between them and
 /// one after them. True when the pass is complete.
-bool record_pass_part(const SolverState& state, VkCommandBuffer commands, const Pass& pass,
-                      RadiosityHalf from, PassCursor& cursor, std::uint64_t max_cost);
+PassPart record_pass_part(const SolverState& state, VkCommandBuffer commands, const Pass& pass,
+                          RadiosityHalf from, PassCursor& cursor, std::uint64_t max_cost);
 
 }  // namespace relume

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+#include "compute/standalone/instance.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include "compute/device_requirements.h"
+#include "compute/vulkan_error.h"
+#include "compute/vulkan_info.h"
+
+namespace relume {
+namespace {
+
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+
+bool has_validation_layer() {
+  std::uint32_t count = 0;
+  if (vkEnumerateInstanceLayerProperties(&count, nullptr) != VK_SUCCESS) return false;
+  std::vector<VkLayerProperties> layers(count);
+  if (vkEnumerateInstanceLayerProperties(&count, layers.data()) != VK_SUCCESS) return false;
+  return std::any_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
+    return std::strcmp(layer.layerName, kValidationLayer) == 0;
+  });
+}
+
+VkResult create_instance(ValidationLog* log, VkInstance& instance) {
+  auto application = vulkan_info<VkApplicationInfo>(VK_STRUCTURE_TYPE_APPLICATION_INFO);
+  application.pApplicationName = "relume";
+  application.apiVersion = DeviceRequirements{}.api_version;
+  auto info = vulkan_info<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
+  info.pApplicationInfo = &application;
+  if (log == nullptr) return vkCreateInstance(&info, nullptr, &instance);
+
+  const VkValidationFeatureEnableEXT synchronization =
+      VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+  auto features = vulkan_info<VkValidationFeaturesEXT>(VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT);
+  features.enabledValidationFeatureCount = 1;
+  features.pEnabledValidationFeatures = &synchronization;
+  VkDebugUtilsMessengerCreateInfoEXT messenger = log->messenger_info();
+  messenger.pNext = &features;
+  const char* const extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
+                                    VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+  info.pNext = &messenger;
+  info.enabledLayerCount = 1;
+  info.ppEnabledLayerNames = &kValidationLayer;
+  info.enabledExtensionCount = 2;
+  info.ppEnabledExtensionNames = extensions;
+  return vkCreateInstance(&info, nullptr, &instance);
+}
+
+struct Candidate {
+  VkPhysicalDevice device = VK_NULL_HANDLE;
+  VkPhysicalDeviceProperties properties{};
+};
+
+int rank(VkPhysicalDeviceType type) {
+  switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return 0;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return 1;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return 2;
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return 4;
+    default:
+      return 3;
+  }
+}
+
+/// Best first; equal ones stay in the order of the instance.
+std::vector<Candidate> list_devices(VkInstance instance) {
+  std::uint32_t count = 0;
+  vkEnumeratePhysicalDevices(instance, &count, nullptr);
+  std::vector<VkPhysicalDevice> devices(count);
+  vkEnumeratePhysicalDevices(instance, &count, devices.data());
+  std::vector<Candidate> candidates(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    candidates[i].device = devices[i];
+    vkGetPhysicalDeviceProperties(devices[i], &candidates[i].properties);
+  }
+  std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return rank(a.properties.deviceType) < rank(b.properties.deviceType);
+  });
+  return candidates;
+}
+
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+}  // namespace
+
+Result<Instance> Instance::create(bool validation, ValidationLog& log) {
+  const bool validating = validation && has_validation_layer();
+  Instance instance;
+  const VkResult result = create_instance(validating ? &log : nullptr, instance.instance_);
+  if (result != VK_SUCCESS) {
+    return tl::unexpected<Error>(vulkan_error(result, "creating a Vulkan instance"));
+  }
+  if (!validating) return instance;
+  const auto create_messenger = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+      vkGetInstanceProcAddr(instance.instance_, "vkCreateDebugUtilsMessengerEXT"));
+  const VkDebugUtilsMessengerCreateInfoEXT info = log.messenger_info();
+  const VkResult created = create_messenger == nullptr
+                               ? VK_ERROR_EXTENSION_NOT_PRESENT
+                               : create_messenger(instance.instance_, &info, nullptr, &instance.messenger_);
+  if (created != VK_SUCCESS)
+    return tl::unexpected<Error>(vulkan_error(created, "creating a debug messenger"));
+  return instance;
+}
+
+Instance::Instance(Instance&& other) noexcept
+    : instance_(std::exchange(other.instance_, nullptr)),
+      messenger_(std::exchange(other.messenger_, nullptr)) {}
+
+Instance::~Instance() {
+  if (messenger_ != VK_NULL_HANDLE) {
+    const auto destroy_messenger = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
+        vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"));
+    destroy_messenger(instance_, messenger_, nullptr);
+  }
+  if (instance_ != VK_NULL_HANDLE) vkDestroyInstance(instance_, nullptr);
+}
+
+Result<VkPhysicalDevice> choose_physical_device(VkInstance instance, const std::string& name) {
+  std::string found;
+  for (const Candidate& candidate : list_devices(instance)) {
+    const std::string device_name = candidate.properties.deviceName;
+    if (!found.empty()) found += "; ";
+    if (lower_case(device_name).find(lower_case(name)) == std::string::npos) {
+      found += "'" + device_name + "' has another name";
+      continue;
+    }
+    const auto required = device_requirements(vkGetInstanceProcAddr, instance, candidate.device);
+    if (required) return candidate.device;
+    found += required.error().message;
+  }
+  const std::string wanted =
+      name.empty() ? "no usable Vulkan device" : "no usable Vulkan device named '" + name + "'";
+  return fail(ErrorCode::no_device, wanted + ": found " + (found.empty() ? "none" : found));
+}
+
+}  // namespace relume

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT
+#include "compute/standalone/solve_on_device.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <glm/common.hpp>
+#include <limits>
+
+#include "compute/standalone/solver_session.h"
+
+namespace relume {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Seconds since the last call.
+class Stopwatch {
+ public:
+  double lap() {
+    const Clock::time_point now = Clock::now();
+    return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
+  }
+
+ private:
+  Clock::time_point last_ = Clock::now();
+};
+
+tl::unexpected<Error> failed(const Error& error) {
+  return tl::unexpected<Error>(error);
+}
+
+/// numerator / denominator per channel, the worst of them; a channel without light has no error.
+double worst_ratio(const Rgb& numerator, const Rgb& denominator) {
+  double worst = 0.0;
+  for (int channel = 0; channel < 3; ++channel) {
+    if (numerator[channel] != 0.0) worst = std::max(worst, numerator[channel] / denominator[channel]);
+  }
+  return worst;
+}
+
+double largest(const Rgb& value) {
+  return std::max({value.x, value.y, value.z});
+}
+
+/// Entries of the longest row.
+std::uint32_t longest_row(const Model& model) {
+  std::uint32_t longest = 0;
+  for (const System& system : model.systems) {
+    for (const MatrixBlock& block : system.bounce.blocks) {
+      for (std::uint32_t row = 0; row < block.row_count; ++row) {
+        longest = std::max(longest, block.tile_offsets[row + 1] - block.tile_offsets[row]);
+      }
+    }
+  }
+  return longest;
+}
+
+/// Roundings of one bounce, each at most 2^-24 of its result: the product of an entry, the additions of its
+/// lane, 3 of the tree, 3 of the scale, 3 of B = M + albedo (H + I), 2 of the stored albedo and exitance or
+/// direct irradiance.
+double rounding_of_bounce(std::uint32_t row_entries) {
+  return (std::ceil(row_entries / 8.0) + 12.0) * 0x1p-24;
+}
+
+bool finite(const Residual& residual) {
+  for (const Rgb& value : {residual.weighted_change, residual.change, residual.radiosity}) {
+    if (!std::isfinite(value.x + value.y + value.z)) return false;
+  }
+  return true;
+}
+
+/// Tells a residual that rounding holds up from one that still falls.
+class ProgressWatch {
+ public:
+  /// True once `bound` has not been below its lowest for some looks in a row.
+  bool stalled(double bound) {
+    looks_without_fall_ = bound < lowest_ ? 0 : looks_without_fall_ + 1;
+    lowest_ = std::min(lowest_, bound);
+    return looks_without_fall_ >= kPatience;
+  }
+
+ private:
+  static constexpr int kPatience = 4;
+  double lowest_ = std::numeric_limits<double>::infinity();
+  int looks_without_fall_ = 0;
+};
+
+/// The bounces of one solve.
+class BounceLoop {
+ public:
+  BounceLoop(SolverSession& session, const ContractionBound& contraction, double rounding,
+             const StopRule& rule, const DeviceSolveOptions& options)
+      : session_(session), contraction_(contraction), rounding_(rounding), rule_(rule), options_(options) {}
+
+  Result<void> run(DeviceSolution& out) {
+    if (auto started = session_.start(); !started) return failed(started.error());
+    if (rule_.max_bounces == 0) return look_at_start(out);
+    ProgressWatch watch;
+    while (out.solution.bounces < rule_.max_bounces) {
+      const std::uint32_t count = std::min(bounces_per_look(), rule_.max_bounces - out.solution.bounces);
+      auto times = session_.bounce(count);
+      if (!times) return failed(times.error());
+      out.seconds.gpu_bounces += times->gpu_seconds;
+      out.solution.bounces += count;
+      const auto residual = look(out);
+      if (!residual) return failed(residual.error());
+      book(*residual, contraction_.quotient, out);
+      if (options_.observer && !options_.observer(out.solution.bounces, out.solution.error_bound)) {
+        return fail(ErrorCode::cancelled,
+                    "cancelled after " + std::to_string(out.solution.bounces) + " bounces");
+      }
+      if (rule_.tolerance <= 0.0) continue;
+      if (out.solution.error_bound <= rule_.tolerance) break;
+      out.limited_by_rounding = watch.stalled(out.solution.error_bound);
+      if (out.limited_by_rounding) break;
+    }
+    return read(session_.read_radiosity(), out);
+  }
+
+ private:
+  /// B0 is the result; one bounce more shows how far it is from the end.
+  Result<void> look_at_start(DeviceSolution& out) {
+    if (auto bounced = session_.bounce(1); !bounced) return failed(bounced.error());
+    auto residual = look(out);
+    if (!residual) return failed(residual.error());
+    if (auto start = read(session_.read_previous_radiosity(), out); !start) return start;
+    residual->radiosity = Rgb(0.0);
+    for (const Rgb& radiosity : out.solution.radiosity) {
+      residual->radiosity = glm::max(residual->radiosity, radiosity);
+    }
+    book(*residual, Rgb(1.0), out);
+    if (auto restarted = session_.start(); !restarted) return failed(restarted.error());
+    return {};
+  }
+
+  /// A look costs a wait, so small bounces share one.
+  std::uint32_t bounces_per_look() const {
+    const std::uint64_t most = rule_.tolerance > 0.0 ? 8 : 64;
+    const std::uint64_t cost = std::max<std::uint64_t>(session_.solver().bounce_cost(), 1);
+    return static_cast<std::uint32_t>(
+        std::clamp<std::uint64_t>(options_.max_submit_form_factors / cost, 1, most));
+  }
+
+  Result<Residual> look(const DeviceSolution& out) {
+    auto residual = session_.residual();
+    if (residual && !finite(*residual)) {
+      return fail(ErrorCode::check_failed, "the radiosity on the device is not finite after " +
+                                               std::to_string(out.solution.bounces) + " bounces");
+    }
+    return residual;
+  }
+
+  /// Residual and bounds; `first` is the share of the change that the next bounce can make (as in the
+  /// reference).
+  void book(const Residual& residual, const Rgb& first, DeviceSolution& out) const {
+    const Rgb gap = 1.0 - contraction_.quotient;
+    out.solution.relative_residual =
+        worst_ratio(Rgb(largest(residual.change)), Rgb(largest(residual.radiosity)));
+    out.solution.error_bound = worst_ratio(first * residual.weighted_change / gap, residual.radiosity);
+    out.rounding_bound = worst_ratio(rounding_ * residual.weighted_radiosity / gap, residual.radiosity);
+  }
+
+  static Result<void> read(Result<std::vector<Rgb>> radiosity, DeviceSolution& out) {
+    if (!radiosity) return failed(radiosity.error());
+    out.solution.radiosity = std::move(*radiosity);
+    return {};
+  }
+
+  SolverSession& session_;
+  const ContractionBound& contraction_;
+  double rounding_;
+  const StopRule& rule_;
+  const DeviceSolveOptions& options_;
+};
+
+RowKernel choose_kernel(const StandaloneDevice& device, const DeviceSolveOptions& options) {
+  const bool processor = device.type() == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  return options.kernel.value_or(processor ? RowKernel::row_per_thread : RowKernel::row_per_8_lanes);
+}
+
+Result<void> gather(SolverSession& session, DeviceSolution& out) {
+  Stopwatch watch;
+  const auto times = session.gather();
+  if (!times) return failed(times.error());
+  out.seconds.gather = watch.lap();
+  out.seconds.gpu_gather = times->gpu_seconds;
+  auto irradiance = session.read_irradiance();
+  if (!irradiance) return failed(irradiance.error());
+  out.irradiance = std::move(*irradiance);
+  out.seconds.download = watch.lap();
+  return {};
+}
+
+}  // namespace
+
+Result<DeviceSolution> solve_on_device(StandaloneDevice& device, const Model& model, const Lighting& lighting,
+                                       const StopRule& rule, const DeviceSolveOptions& options) {
+  if (auto checked = check_lighting(model, lighting); !checked) return failed(checked.error());
+  DeviceSolution out;
+  Stopwatch watch;
+  const ContractionBound contraction = contraction_bound(reference_matrices(model).bounce, lighting.albedo);
+  if (auto checked = check_contraction(contraction); !checked) return failed(checked.error());
+  out.seconds.contraction = watch.lap();
+
+  const RowKernel kernel = choose_kernel(device, options);
+  auto session = SolverSession::create(device, model, {kernel, options.max_dispatch_form_factors},
+                                       {options.max_submit_form_factors, options.timeout_seconds});
+  if (!session) return failed(session.error());
+  out.device = device.name();
+  out.kernel = row_kernel_name(kernel);
+  out.device_bytes = session->device_bytes();
+  out.seconds.create = watch.lap();
+
+  for (const UploadData& data : {session->solver().model_data(model),
+                                 session->solver().lighting_data(lighting, contraction.weights)}) {
+    if (auto uploaded = session->upload(data); !uploaded) return failed(uploaded.error());
+  }
+  out.seconds.upload = watch.lap();
+
+  BounceLoop loop(*session, contraction, rounding_of_bounce(longest_row(model)), rule, options);
+  if (auto bounced = loop.run(out); !bounced) return failed(bounced.error());
+  out.seconds.bounces = watch.lap();
+  if (auto gathered = gather(*session, out); !gathered) return failed(gathered.error());
+  return out;
+}
+
+}  // namespace relume

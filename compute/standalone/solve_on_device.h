@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compute/gpu_solver.h"
+#include "compute/standalone/standalone_device.h"
+#include "core/model.h"
+#include "core/reference_solver.h"
+#include "core/result.h"
+#include "core/solve.h"
+
+namespace relume {
+
+struct DeviceSolveOptions {
+  /// Nothing: row_per_thread on a processor, row_per_8_lanes elsewhere. The result is the same to the bit.
+  std::optional<RowKernel> kernel;
+  std::uint64_t max_dispatch_form_factors = 4'000'000;
+  std::uint64_t max_submit_form_factors =
+      32'000'000;                 ///< a submission has no more, but at least one dispatch
+  double timeout_seconds = 60.0;  ///< of one submission
+  BounceObserver observer;        ///< called after each residual, every few bounces
+};
+
+struct DeviceSeconds {
+  double contraction = 0.0;  ///< the contraction bound, on the processor
+  double create = 0.0;       ///< pipelines, buffers
+  double upload = 0.0;
+  double bounces = 0.0;  ///< with residuals; the first dispatch compiles on some drivers
+  double gather = 0.0;
+  double download = 0.0;
+  double gpu_bounces = 0.0;  ///< by timestamps; 0 when the queue has none
+  double gpu_gather = 0.0;
+};
+
+struct DeviceSolution {
+  /// As solve_reference gives it. `error_bound` is of the iteration: what bounces not done would change.
+  Solution solution;
+  /// What 32-bit rounding can do on top, at worst, relative to max |B|: (ceil(n / 8) + 12) 2^-24 max(B / v) /
+  /// (1 - q), n: the longest row.
+  double rounding_bound = 0.0;
+  /// The tolerance was not reached because rounding keeps the residual from falling further.
+  bool limited_by_rounding = false;
+  std::vector<Rgb> irradiance;  ///< lm/m2 per gather row of all systems
+  std::string device;
+  std::string kernel;
+  std::uint64_t device_bytes = 0;
+  DeviceSeconds seconds;
+};
+
+/// The whole solve: bounces until the rule stops them (looked at every few bounces, so a few more than the
+/// reference may be done; never more than max_bounces), then the gather. The model must be valid
+/// (check_model). Fails as check_lighting and check_contraction do, with no_device or out_of_memory from the
+/// device, with check_failed when a result is not finite, with cancelled when the observer says so.
+Result<DeviceSolution> solve_on_device(StandaloneDevice& device, const Model& model, const Lighting& lighting,
+                                       const StopRule& rule, const DeviceSolveOptions& options = {});
+
+}  // namespace relume

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+//
+// A device of our own, for programs that have none: the command line, tests and benchmarks. Only this folder
+// creates instances, devices and queues, submits, and waits.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "compute/host_device.h"
+#include "core/result.h"
+
+namespace relume {
+
+struct StandaloneOptions {
+  /// Core and synchronization validation by the Khronos layer, if it is installed.
+  bool validation = false;
+  /// Part of a device's name, upper or lower case; empty: discrete before integrated before virtual before
+  /// processor.
+  std::string device_name;
+};
+
+/// How long a submission took.
+struct SubmitTimes {
+  double seconds = 0.0;      ///< from the call to the end of the wait
+  double gpu_seconds = 0.0;  ///< between timestamps around its commands; 0 when the queue has none
+};
+
+class StandaloneDevice {
+ public:
+  /// Fails with no_device and a sentence that lists what was found.
+  static Result<StandaloneDevice> create(const StandaloneOptions& options);
+
+  StandaloneDevice(StandaloneDevice&&) noexcept;
+  StandaloneDevice& operator=(StandaloneDevice&&) noexcept;
+  ~StandaloneDevice();
+
+  /// What a guest needs. Valid as long as the device.
+  HostDevice host() const;
+
+  const std::string& name() const;
+  VkPhysicalDeviceType type() const;
+  const VkPhysicalDeviceMemoryProperties& memory_properties() const;
+
+  /// Whether validation was asked for and is there.
+  bool validating() const;
+
+  /// What validation said so far, one message each. Nothing is printed.
+  std::vector<std::string> validation_messages() const;
+
+  /// Records one command buffer, submits it and waits, at most `timeout_seconds`. After a lost device or a
+  /// wait that ran out, every further submission is refused (no_device).
+  Result<SubmitTimes> submit(const std::function<void(VkCommandBuffer)>& record,
+                             double timeout_seconds = 60.0);
+
+ private:
+  struct State;
+  explicit StandaloneDevice(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace relume
