@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "precompute/ray_caster.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace relume {
+namespace {
+
+const std::vector<glm::vec3> kSquare{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+
+RayPacket one_ray(glm::vec3 origin, glm::vec3 direction) {
+  RayPacket packet{};
+  packet.far.fill(-1.0f);
+  packet.origin_x[0] = origin.x, packet.origin_y[0] = origin.y, packet.origin_z[0] = origin.z;
+  packet.direction_x.fill(direction.x), packet.direction_y.fill(direction.y),
+      packet.direction_z.fill(direction.z);
+  packet.far[0] = std::numeric_limits<float>::infinity();
+  return packet;
+}
+
+TEST(RayCaster, ReportsTriangleDistanceAndBarycentrics) {
+  const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}, {0, 2, 3}};
+  const auto caster = RayCaster::create(kSquare, triangles);
+  ASSERT_TRUE(caster);
+  RayPacket packet = one_ray({0.5f, 0.25f, 2.0f}, {0, 0, -1});
+  caster->closest_hits(packet);
+  EXPECT_EQ(packet.triangle[0], 0u);
+  EXPECT_FLOAT_EQ(packet.far[0], 2.0f);
+  // (0.5, 0.25) = (1 - u - v) (0, 0) + u (1, 0) + v (1, 1)
+  EXPECT_FLOAT_EQ(packet.u[0], 0.25f);
+  EXPECT_FLOAT_EQ(packet.v[0], 0.25f);
+  EXPECT_EQ(packet.triangle[1], kNoTriangle) << "an unused lane met something";
+}
+
+TEST(RayCaster, CoincidentTrianglesGoToTheLowestIndexInAnyOrder) {
+  for (const bool reversed : {false, true}) {
+    std::vector<std::array<std::uint32_t, 3>> triangles(64, {0, 1, 2});
+    if (reversed) triangles.insert(triangles.begin(), {0, 2, 3});
+    const auto caster = RayCaster::create(kSquare, triangles);
+    ASSERT_TRUE(caster);
+    RayPacket packet = one_ray({0.9f, 0.1f, 1.0f}, {0, 0, -1});
+    caster->closest_hits(packet);
+    EXPECT_EQ(packet.triangle[0], reversed ? 1u : 0u);
+  }
+}
+
+TEST(RayCaster, OccludedLooksBetweenThePointsOnly) {
+  const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}, {0, 2, 3}};
+  const auto caster = RayCaster::create(kSquare, triangles);
+  ASSERT_TRUE(caster);
+  EXPECT_TRUE(caster->occluded({0.5f, 0.5f, 1.0f}, {0.5f, 0.5f, -1.0f}));
+  EXPECT_FALSE(caster->occluded({0.5f, 0.5f, 1.0f}, {0.5f, 0.5f, 0.5f}));
+  EXPECT_FALSE(caster->occluded({0.5f, 0.5f, -1.0f}, {0.5f, 0.5f, -3.0f}));
+}
+
+TEST(RayCaster, AnEmptySceneIsNoError) {
+  const auto caster = RayCaster::create({}, {});
+  ASSERT_TRUE(caster);
+  RayPacket packet = one_ray({0, 0, 0}, {0, 0, 1});
+  caster->closest_hits(packet);
+  EXPECT_EQ(packet.triangle[0], kNoTriangle);
+}
+
+}  // namespace
+}  // namespace relume
