@@ -48,21 +48,25 @@ void keep_better(const std::vector<Rgb>& v, const Rgb& quotient, ContractionBoun
   }
 }
 
-/// The next weights: the product, brought to a largest entry of 1, plus a share of ones. The share keeps
-/// weights of surfaces that the slowest mode does not reach from vanishing (their errors would be divided by
-/// nothing); a tenth of the gap to 1 hardly blunts the quotient.
-std::vector<Rgb> next_weights(const std::vector<Rgb>& product, const Rgb& quotient) {
+/// The next weights: the product, plus a quarter of the weights themselves (surfaces that face each other
+/// make modes that swap sign and would not die away), brought to a largest entry of 1, plus a share of ones.
+/// The share keeps weights of surfaces that the slowest mode does not reach from vanishing (their errors
+/// would be divided by nothing); a tenth of the gap to 1 hardly blunts the quotient.
+std::vector<Rgb> next_weights(const std::vector<Rgb>& product, const std::vector<Rgb>& v,
+                              const Rgb& quotient) {
+  constexpr double kKept = 0.25;
   const Rgb top = largest(product);
-  std::vector<Rgb> v(product.size());
+  std::vector<Rgb> next(product.size(), Rgb(1.0));
   for (int channel = 0; channel < 3; ++channel) {
+    if (top[channel] <= 0.0) continue;
     const double share = std::clamp(0.1 * (1.0 - quotient[channel]), 1e-6, 0.1);
-    const double scale = top[channel] > 0.0 ? 1.0 / top[channel] : 0.0;
-    const double normalise = scale > 0.0 ? 1.0 / (1.0 + share) : 1.0 / share;
-    for (std::size_t i = 0; i < v.size(); ++i) {
-      v[i][channel] = (product[i][channel] * scale + share) * normalise;
+    for (std::size_t i = 0; i < next.size(); ++i) {
+      next[i][channel] = product[i][channel] / top[channel] + kKept * v[i][channel] + share;
     }
   }
-  return v;
+  const Rgb scale = 1.0 / largest(next);
+  for (Rgb& weight : next) weight *= scale;
+  return next;
 }
 
 /// min over i of (rho K_c x)_i / x_i, x = the weights of clusters that reflect and are at least `threshold`:
@@ -111,8 +115,9 @@ ContractionBound contraction_bound(const CsrMatrix& bounce_matrix, const std::ve
   std::vector<Rgb> product = multiply(bounce_matrix, albedo, bound.weights);
   bound.quotient = upper_quotient(product, bound.weights);
   Rgb previous = bound.quotient;
+  std::vector<Rgb> v = bound.weights;
   for (int k = 1; k < kMaxProducts; ++k) {
-    const std::vector<Rgb> v = next_weights(product, bound.quotient);
+    v = next_weights(product, v, bound.quotient);
     product = multiply(bounce_matrix, albedo, v);
     const Rgb quotient = upper_quotient(product, v);
     keep_better(v, quotient, bound);

@@ -89,7 +89,8 @@ Result<void> read_records(const Section& section, std::vector<T>& records,
   return check_consumed(reader, section.record);
 }
 
-Result<void> read_info(const Section& section, Model& model) {
+/// `systems` is how many there are sections of.
+Result<void> read_info(const Section& section, std::size_t systems, Model& model) {
   ByteReader info(section.bytes);
   model.origin = info.take<glm::dvec3>();
   model.max_albedo = info.take<double>();
@@ -112,6 +113,10 @@ Result<void> read_info(const Section& section, Model& model) {
   if ((flags & ~(kInfoLitByRig | kInfoHasSky | kInfoHasCamera)) != 0 || reserved != 0) {
     return malformed(section.record,
                      fmt::format("expected known flags, found {:#x} and {:#x}", flags, reserved));
+  }
+  if (system_count != systems) {
+    return malformed(section.record, fmt::format("expected {} systems, as there are sections of, found {}",
+                                                 systems, system_count));
   }
   model.lit_by_rig = (flags & kInfoLitByRig) != 0;
   if ((flags & kInfoHasSky) != 0) model.sky_radiance = sky;
@@ -197,7 +202,6 @@ std::string_view id_of(const Section& section) {
 std::optional<Result<void>> read_model_section(const Section& section, Model& model) {
   const std::string_view id = id_of(section);
   Occluders& occluders = model.occluders;
-  if (id == kInfo) return read_info(section, model);
   if (id == kSkyCells) return read_array(section, model.sky_cells);
   if (id == kMaterials) return read_materials(section, model);
   if (id == kNodes) return read_nodes(section, model);
@@ -273,12 +277,9 @@ Result<Model> assemble(const std::vector<Section>& sections) {
   const SectionRecord& last = sections.back().record;
   const std::size_t systems = last.owner == kNone ? 0 : std::size_t{last.owner} + 1;
   Model model;
-  for (const Section& section : sections) {
+  if (auto done = read_info(sections.front(), systems, model); !done) return tl::unexpected(done.error());
+  for (const Section& section : std::span(sections).subspan(1)) {
     if (auto done = read_section(section, model); !done) return tl::unexpected(done.error());
-    if (&section == &sections.front() && model.systems.size() != systems) {
-      return malformed(section.record, fmt::format("expected {} systems, as there are sections of, found {}",
-                                                   systems, model.systems.size()));
-    }
   }
   for (System& system : model.systems) {
     system.bounce.columns = static_cast<std::uint32_t>(system.imports.size());

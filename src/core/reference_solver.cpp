@@ -70,6 +70,10 @@ Rgb largest(const std::vector<Rgb>& values) {
   return result;
 }
 
+double largest_channel(const Rgb& value) {
+  return std::max({value.x, value.y, value.z});
+}
+
 /// numerator / denominator per channel, the worst of them; a channel without light has no error.
 double worst_ratio(const Rgb& numerator, const Rgb& denominator) {
   double worst = 0.0;
@@ -79,28 +83,35 @@ double worst_ratio(const Rgb& numerator, const Rgb& denominator) {
   return worst;
 }
 
-/// Bound on the error relative to max |B|, from the change between `before` and the bounce `after` it: the
-/// sum over all further bounces of the change in the weighted norm, and of the rounding that each adds (a row
-/// of n positive terms is rounded by less than (n + 4) ulp of its sum). `first` is the share of the change
-/// that the next bounce can make: q for the error of `after`, 1 for that of `before`.
-double relative_error_bound(const CsrMatrix& matrix, const ContractionBound& contraction, const Rgb& first,
-                            const std::vector<Rgb>& before, const std::vector<Rgb>& after) {
-  constexpr double kUnit = std::numeric_limits<double>::epsilon();
-  Rgb change(0.0);
-  Rgb rounding(0.0);
+/// What one bounce changed, per channel.
+struct Change {
+  Rgb largest{0.0};
+  Rgb weighted{0.0};  ///< max |r_j| / v_j
+  Rgb rounding{0.0};  ///< the same of what the bounce may have rounded: a row of n positive terms by less
+                      ///< than (n + 4) ulp of its sum
+};
+
+Change measure(const CsrMatrix& matrix, const ContractionBound& contraction, const std::vector<Rgb>& before,
+               const std::vector<Rgb>& after) {
+  Change change;
   for (std::uint32_t row = 0; row < matrix.rows; ++row) {
+    const Rgb difference = glm::abs(after[row] - before[row]);
     const auto terms = static_cast<double>(matrix.row_offsets[row + 1] - matrix.row_offsets[row]) + 4.0;
-    change = glm::max(change, glm::abs(after[row] - before[row]) / contraction.weights[row]);
-    rounding = glm::max(rounding, terms * kUnit * after[row] / contraction.weights[row]);
+    const Rgb ulps = terms * std::numeric_limits<double>::epsilon() * after[row];
+    change.largest = glm::max(change.largest, difference);
+    change.weighted = glm::max(change.weighted, difference / contraction.weights[row]);
+    change.rounding = glm::max(change.rounding, ulps / contraction.weights[row]);
   }
-  return worst_ratio((first * change + rounding) / (1.0 - contraction.quotient), largest(after));
+  return change;
 }
 
-double relative_change(const std::vector<Rgb>& before, const std::vector<Rgb>& after) {
-  Rgb change(0.0);
-  for (std::size_t i = 0; i < after.size(); ++i) change = glm::max(change, glm::abs(after[i] - before[i]));
-  const Rgb top = largest(after);
-  return worst_ratio(Rgb(std::max({change.x, change.y, change.z})), Rgb(std::max({top.x, top.y, top.z})));
+/// Residual and error bound of solution.radiosity: all further bounces add up to a geometric series whose
+/// first term is at most `first` times the change (q for what came after that bounce, 1 for what was before
+/// it), and each rounds.
+void rate(const Change& change, const Rgb& first, const Rgb& quotient, Solution& solution) {
+  const Rgb top = largest(solution.radiosity);
+  solution.relative_residual = worst_ratio(Rgb(largest_channel(change.largest)), Rgb(largest_channel(top)));
+  solution.error_bound = worst_ratio((first * change.weighted + change.rounding) / (1.0 - quotient), top);
 }
 
 Result<void> check_shapes(const CsrMatrix& matrix, const Lighting& lighting) {
@@ -166,19 +177,17 @@ Result<Solution> solve_reference(const CsrMatrix& bounce_matrix, const Lighting&
   for (std::uint32_t row = 0; row < bounce_matrix.rows; ++row) {
     solution.radiosity.push_back(lighting.exitance[row] + lighting.albedo[row] * lighting.direct[row]);
   }
+  const Rgb& q = contraction.quotient;
   if (rule.max_bounces == 0) {
     const std::vector<Rgb> next = bounce(bounce_matrix, lighting, solution.radiosity);
-    solution.relative_residual = relative_change(solution.radiosity, next);
-    solution.error_bound =
-        relative_error_bound(bounce_matrix, contraction, Rgb(1.0), solution.radiosity, next);
+    rate(measure(bounce_matrix, contraction, solution.radiosity, next), Rgb(1.0), q, solution);
     return solution;
   }
   while (solution.bounces < rule.max_bounces) {
     std::vector<Rgb> next = bounce(bounce_matrix, lighting, solution.radiosity);
-    solution.relative_residual = relative_change(solution.radiosity, next);
-    solution.error_bound =
-        relative_error_bound(bounce_matrix, contraction, contraction.quotient, solution.radiosity, next);
+    const Change change = measure(bounce_matrix, contraction, solution.radiosity, next);
     solution.radiosity = std::move(next);
+    rate(change, q, q, solution);
     ++solution.bounces;
     if (observer && !observer(solution.bounces, solution.error_bound)) {
       return fail(ErrorCode::cancelled, fmt::format("cancelled after {} bounces", solution.bounces));

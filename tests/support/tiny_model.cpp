@@ -6,7 +6,8 @@ namespace {
 
 Occluders two_quads() {
   Occluders occluders;
-  occluders.positions = {{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}};
+  occluders.positions = {{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0},
+                         {0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}};
   occluders.triangles = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}};
   occluders.material = {0, 0, 1, 1};
   occluders.node = {0, 0, 1, 1};

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "core/model.h"
+#include "support/tiny_model.h"
+
+namespace relume {
+namespace {
+
+struct Breakage {
+  std::function<void(Model&)> breaker;
+  const char* part;  ///< of the message
+};
+
+const float kNotANumber = std::nanf("");
+
+void expect_refused(const std::vector<Breakage>& breakages) {
+  for (const Breakage& breakage : breakages) {
+    Model model = test::tiny_model();
+    breakage.breaker(model);
+    const auto checked = check_model(model);
+    ASSERT_FALSE(checked) << breakage.part;
+    EXPECT_EQ(checked.error().code, ErrorCode::check_failed);
+    EXPECT_NE(checked.error().message.find(breakage.part), std::string::npos) << checked.error().message;
+  }
+}
+
+TEST(CheckModel, AcceptsTheTinyModelAndAnEmptyOne) {
+  EXPECT_TRUE(check_model(test::tiny_model())) << check_model(test::tiny_model()).error().message;
+  EXPECT_TRUE(check_model(Model{}));
+}
+
+TEST(CheckModel, RefusesWhatIsWrongWithTheWhole) {
+  expect_refused({
+      {[](Model& m) { m.origin.y = std::numeric_limits<double>::infinity(); }, "finite origin"},
+      {[](Model& m) { m.max_albedo = 1.0; }, "at most 0.9999, found 1"},
+      {[](Model& m) { m.sky_cells[0] = 24; }, "sky patch 0: expected a cell below 24, found 24"},
+      {[](Model& m) { m.sky_resolution = 5000; }, "sky resolution"},
+      {[](Model& m) { m.sky_radiance->x = -1.0; }, "sky radiance"},
+      {[](Model& m) { m.materials[1].name = "paint"; },
+       "materials: expected unique names, found 'paint' twice"},
+      {[](Model& m) { m.nodes[1].path = "room/floor"; }, "found 'room/floor' twice"},
+      {[](Model& m) { m.systems[1].name = "floor"; }, "systems: expected unique names"},
+      {[](Model& m) { m.provenance.options.assign((1u << 20) + 1, ' '); },
+       "provenance: expected names of at most"},
+      {[](Model& m) { m.camera->up = m.camera->forward; }, "camera"},
+      {[](Model& m) { m.camera->vertical_field_of_view = 4.0; }, "field of view"},
+  });
+}
+
+TEST(CheckModel, RefusesBrokenLights) {
+  expect_refused({
+      {[](Model& m) { m.lights[0].intensity.y = std::nan(""); }, "light 0: expected a finite intensity"},
+      {[](Model& m) { m.lights[0].position.y = std::nan(""); }, "light 0: expected a finite position"},
+      {[](Model& m) {
+         m.lights[2].direction = {0, 0, 0};
+       },
+       "light 2: expected a direction of length 1"},
+      {[](Model& m) { m.lights[1].inner_cone_angle = 0.6; }, "light 1: expected cone angles"},
+      {[](Model& m) { m.lights[1].outer_cone_angle = 2.0; }, "light 1: expected cone angles"},
+      {[](Model& m) { m.lights[1].range = -1.0; }, "light 1: expected a finite range"},
+      {[](Model& m) { m.lights[1].type = LightType{3}; }, "light 1: expected type"},
+  });
+}
+
+TEST(CheckModel, RefusesBrokenOccluders) {
+  expect_refused({
+      {[](Model& m) { m.occluders.positions[3].z = kNotANumber; }, "position 3"},
+      {[](Model& m) { m.occluders.triangles[2][1] = 8; }, "triangle 2: expected positions below 8, found 8"},
+      {[](Model& m) { m.occluders.material[1] = 2; }, "triangle 1: expected a material below 2, found 2"},
+      {[](Model& m) { m.occluders.node[1] = 2; }, "triangle 1: expected a node below 2, found 2"},
+      {[](Model& m) { m.occluders.system[1] = 2; }, "triangle 1: expected a system below 2, found 2"},
+      {[](Model& m) { m.occluders.front_uv.pop_back(); }, "12 lightmap corners"},
+      {[](Model& m) { m.occluders.back_uv.pop_back(); }, "12 lightmap corners"},
+      {[](Model& m) { m.occluders.front_uv[0].x = kNotANumber; }, "finite lightmap coordinates"},
+  });
+}
+
+TEST(CheckModel, RefusesBrokenSurfaces) {
+  expect_refused({
+      {[](Model& m) { m.systems[1].clusters[0].centroid.x = kNotANumber; },
+       "system 1, cluster 0: expected a finite centroid"},
+      {[](Model& m) { m.systems[0].clusters[0].area = 0.0f; }, "expected an area above 0"},
+      {[](Model& m) { m.systems[0].clusters[0].area = 1.01f; }, "area of its elements, 1, found 1.01"},
+      {[](Model& m) {
+         m.systems[0].clusters[0].normal = {0, 1, 1};
+       },
+       "normal of length 1"},
+      {[](Model& m) { m.systems[0].clusters[0].albedo[1] = 0.96f; }, "albedo from 0 to 0.95"},
+      {[](Model& m) { m.systems[0].clusters[0].exitance[2] = -1.0f; }, "exitance"},
+      {[](Model& m) { m.systems[0].clusters[0].material = 2; }, "material below 2"},
+      {[](Model& m) { m.systems[0].clusters[0].side = Side{2}; }, "side 0 or 1"},
+      {[](Model& m) { m.systems[0].clusters[0].element_count = 2; }, "at least one element"},
+      {[](Model& m) { m.systems[0].clusters[0].first_element = 1; }, "at least one element"},
+      {[](Model& m) { m.systems[0].elements.push_back(m.systems[0].elements[0]); }, "expected 1 elements"},
+      {[](Model& m) { m.systems[0].elements[0].cluster = 1; }, "element 0: expected cluster 0, found 1"},
+      {[](Model& m) { m.systems[0].elements[0].normal *= 0.9f; }, "element 0: expected a finite position"},
+      {[](Model& m) { m.systems[0].elements[0].piece_count = 3; }, "at least one piece"},
+      {[](Model& m) { m.systems[0].elements[0].piece_count = 1; }, "expected 1 pieces"},
+      {[](Model& m) { m.systems[0].pieces[1].triangle = 4; },
+       "piece 1: expected a triangle below 4, found 4"},
+      {[](Model& m) { m.systems[0].pieces[1].triangle = 2; }, "of its cluster's system, material and node"},
+      {[](Model& m) {
+         m.systems[0].pieces[1].corners[1] = {0.8f, 0.3f};
+       },
+       "corners inside the triangle"},
+      {[](Model& m) { m.systems[0].lumels[0].x = 2; }, "lumel 0: expected a texel"},
+      {[](Model& m) { m.systems[0].lumels[0].element = 1; }, "element below 1"},
+      {[](Model& m) { m.systems[0].lumels[0].flags = 4; }, "known flags"},
+      {[](Model& m) { m.systems[0].lumels.push_back(m.systems[0].lumels[0]); }, "found two at (1, 0)"},
+      {[](Model& m) { m.systems[0].sensors[0].name = 1; }, "sensor 0"},
+      {[](Model& m) { m.systems[0].charts[0].node = 2; }, "chart 0"},
+  });
+}
+
+TEST(CheckModel, RefusesBrokenImportsAndMatrices) {
+  expect_refused({
+      {[](Model& m) { m.systems[0].imports[0].system = 2; }, "import 0: expected a system below 2"},
+      {[](Model& m) { m.systems[0].imports[0].index = 1; }, "import 0: expected a cluster below 1, found 1"},
+      {[](Model& m) { m.systems[0].imports[1].index = 1; },
+       "import 1: expected a sky patch below 1, found 1"},
+      {[](Model& m) { m.systems[0].imports[1] = m.systems[0].imports[0]; }, "each import once"},
+      {[](Model& m) { m.systems[0].imports.pop_back(); },
+       "bounce matrix: expected 1 rows and 1 columns, found 1 and 2"},
+      {[](Model& m) { m.systems[0].gather = m.systems[0].bounce; }, "gather matrix: expected 2 rows"},
+      {[](Model& m) { m.systems[1].gather.blocks[0].row_scales[0] = 6.0f; },
+       "model: system 1, gather matrix: block 0: row 0: expected a row sum of at most 1"},
+  });
+}
+
+TEST(Offsets, NumberThroughAllSystems) {
+  const Model model = test::tiny_model();
+  EXPECT_EQ(cluster_offsets(model), (std::vector<std::uint32_t>{0, 1, 2}));
+  EXPECT_EQ(gather_offsets(model), (std::vector<std::uint32_t>{0, 2, 3}));
+}
+
+}  // namespace
+}  // namespace relume
