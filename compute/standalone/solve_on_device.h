@@ -22,7 +22,7 @@ struct DeviceSolveOptions {
   std::uint64_t max_submit_form_factors =
       32'000'000;                 ///< a submission has no more, but at least one dispatch
   double timeout_seconds = 60.0;  ///< of one submission
-  BounceObserver observer;        ///< called after each residual, every few bounces
+  BounceObserver observer{};      ///< called after each residual, every few bounces
 };
 
 struct DeviceSeconds {

@@ -22,7 +22,7 @@ struct StandaloneOptions {
   bool validation = false;
   /// Part of a device's name, upper or lower case; empty: discrete before integrated before virtual before
   /// processor.
-  std::string device_name;
+  std::string device_name{};
 };
 
 /// How long a submission took.

@@ -13,7 +13,8 @@ layout(set = kSolveSet, binding = kDirectBinding, std430) readonly restrict buff
 /// B = M + albedo (H + I) of a padded cluster.
 vec3 reflect_and_emit(uint cluster, vec3 irradiance) {
   precise vec3 arriving = direct[cluster].rgb + irradiance;
-  precise vec3 leaving = fma(albedo[cluster].rgb, arriving, exitance[cluster].rgb);
+  precise vec3 reflected = albedo[cluster].rgb * arriving;
+  precise vec3 leaving = reflected + exitance[cluster].rgb;
   return leaving;
 }
 

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
-// The product of one matrix row with the local radiosity, in the one summation order that all kernels share, so that every kernel,
-// subgroup width and slicing gives the same bits:
+// The product of one matrix row with the local radiosity, in the one summation order that all kernels share, so that
+// every kernel, subgroup width and slicing gives the same bits:
 //
-//   lane k of 8     s_k = sum over entries k, k + 8, k + 16, ... of the row, ascending, each added by fma(code, b, s_k), from 0
+//   lane k of 8     s_k = sum of code * b over entries k, k + 8, k + 16, ... of the row, one after the other, from 0
 //   the row         sum = ((s_0 + s_4) + (s_2 + s_6)) + ((s_1 + s_5) + (s_3 + s_7))
 //   the product     sum * row_scale                      codec f32, code = the stored float
 //                   sum * (row_scale * (1 / 65535))      codec unorm16, code = the stored integer
 //
-// All of it is `precise`: SPIR-V then demands that equal fma of equal inputs give equal results.
+// Each product and each addition is rounded on its own (`precise`). Not fma: glslang cannot mark the fma of GLSL as precise,
+// and one that is not may be split by one driver and fused by another (lavapipe splits it).
 #ifndef RELUME_ROW_PRODUCT_GLSL
 #define RELUME_ROW_PRODUCT_GLSL
 
@@ -40,7 +41,8 @@ float code_of(uint entry) {
 
 /// Adds one entry to the sum of its lane.
 void add_entry(inout precise vec3 lane_sum, uint entry) {
-  lane_sum = fma(vec3(code_of(entry)), local_radiosity[column_of(entry)].rgb, lane_sum);
+  precise vec3 term = code_of(entry) * local_radiosity[column_of(entry)].rgb;
+  lane_sum = lane_sum + term;
 }
 
 /// The fixed tree over the lanes, and the scale of the row.

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <optional>
+
+#include "compute/standalone/standalone_device.h"
+
+namespace relume::test {
+
+/// A device with core and synchronization validation. Any message of the layer fails the test, unless the
+/// test expects it.
+class DeviceTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    auto made = StandaloneDevice::create({.validation = true});
+    if (!made && made.error().code == ErrorCode::no_device) GTEST_SKIP() << made.error().message;
+    ASSERT_TRUE(made) << made.error().message;
+    device_.emplace(std::move(*made));
+    if (!device_->validating()) GTEST_SKIP() << "the Khronos validation layer is not installed";
+  }
+
+  void TearDown() override {
+    if (!device_ || expects_messages_) return;
+    EXPECT_THAT(device_->validation_messages(), testing::IsEmpty());
+  }
+
+  StandaloneDevice& device() { return *device_; }
+  void expect_validation_messages() { expects_messages_ = true; }
+
+ private:
+  std::optional<StandaloneDevice> device_;
+  bool expects_messages_ = false;
+};
+
+}  // namespace relume::test
