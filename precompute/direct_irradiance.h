@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "core/light.h"
 #include "core/model.h"
 #include "core/quantities.h"
+#include "core/result.h"
 
 namespace relume {
 

@@ -5,6 +5,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <map>
 
 #include "precompute/ray_offset.h"
 #include "scene/surface_color.h"
@@ -54,7 +55,71 @@ void add_triangle_facts(const Scene& scene, Geometry& geometry) {
   }
 }
 
+using Corners = std::array<glm::vec3, 3>;
+
+Corners corners_of(const Geometry& geometry, std::uint32_t triangle) {
+  const auto& t = geometry.triangles[triangle];
+  return {geometry.positions[t[0]], geometry.positions[t[1]], geometry.positions[t[2]]};
+}
+
+struct CornersLess {
+  bool operator()(const Corners& a, const Corners& b) const {
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (int axis = 0; axis < 3; ++axis) {
+        if (a[k][axis] != b[k][axis]) return a[k][axis] < b[k][axis];
+      }
+    }
+    return false;
+  }
+};
+
+/// The corners from the smallest on, in the same sense.
+Corners canonical(Corners corners) {
+  std::size_t least = 0;
+  for (std::size_t k = 1; k < 3; ++k) {
+    if (CornersLess{}({corners[k], {}, {}}, {corners[least], {}, {}})) least = k;
+  }
+  return {corners[least], corners[(least + 1) % 3], corners[(least + 2) % 3]};
+}
+
+std::vector<std::uint32_t> find_opposites(const Geometry& geometry) {
+  std::map<Corners, std::uint32_t, CornersLess> seen;
+  std::vector<std::uint32_t> opposite(geometry.triangles.size(), kNone);
+  for (std::uint32_t t = 0; t < geometry.triangles.size(); ++t) {
+    const Corners own = canonical(corners_of(geometry, t));
+    seen.emplace(own, t);
+    const auto found = seen.find({own[0], own[2], own[1]});
+    if (found == seen.end() || opposite[found->second] != kNone) continue;
+    opposite[t] = found->second;
+    opposite[found->second] = t;
+  }
+  return opposite;
+}
+
+/// Barycentric coordinates in `to` of a point given in `from`, which has the same corners in another order.
+glm::vec2 reorder(const Corners& from, const Corners& to, float u, float v) {
+  const std::array<float, 3> weights{1.0f - u - v, u, v};
+  std::array<float, 3> result{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      if (from[j] == to[k]) result[k] = weights[j];
+    }
+  }
+  return {result[1], result[2]};
+}
+
 }  // namespace
+
+std::optional<SurfaceHit> seen_surface(const Geometry& geometry, const SurfaceHit& met,
+                                       const glm::vec3& direction) {
+  SurfaceHit hit = met;
+  hit.side = glm::dot(geometry.normals[met.triangle], direction) < 0.0f ? Side::front : Side::back;
+  if (hit.side == Side::front || geometry.double_sided[geometry.material[met.triangle]]) return hit;
+  const std::uint32_t other = geometry.opposite[met.triangle];
+  if (other == kNone) return std::nullopt;
+  const glm::vec2 uv = reorder(corners_of(geometry, met.triangle), corners_of(geometry, other), met.u, met.v);
+  return SurfaceHit{other, uv.x, uv.y, Side::front};
+}
 
 Geometry make_geometry(const Scene& scene) {
   Geometry geometry;
@@ -68,6 +133,7 @@ Geometry make_geometry(const Scene& scene) {
     geometry.lower = geometry.upper = geometry.positions[geometry.triangles[0][0]];
   }
   add_triangle_facts(scene, geometry);
+  geometry.opposite = find_opposites(geometry);
   geometry.offset = ray_offset(geometry.positions);
   return geometry;
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <vector>
 
 #include "precompute/ray_caster.h"
@@ -22,9 +23,11 @@ struct Geometry {
   std::vector<glm::vec3> normals;       ///< per triangle, unit, of the front
   std::vector<float> areas;             ///< per triangle, m2
   std::vector<bool> double_sided;       ///< per material
-  double area = 0.0;                    ///< m2 of all receiving sides
-  glm::vec3 lower{0.0f}, upper{0.0f};   ///< bounds
-  float offset = 0.0f;                  ///< see ray_offset.h
+  std::vector<std::uint32_t>
+      opposite;       ///< per triangle: the one that covers the same corners in the other sense, or kNone
+  double area = 0.0;  ///< m2 of all receiving sides
+  glm::vec3 lower{0.0f}, upper{0.0f};  ///< bounds
+  float offset = 0.0f;                 ///< see ray_offset.h
 
   glm::vec3 point(std::uint32_t triangle, float u, float v) const {
     const auto& t = triangles[triangle];
@@ -37,15 +40,17 @@ struct Geometry {
 
 Geometry make_geometry(const Scene& scene);
 
-/// The side of its triangle that a ray travelling along `direction` meets.
-inline Side side_met(const Geometry& geometry, std::uint32_t triangle, const glm::vec3& direction) {
-  const glm::vec3& n = geometry.normals[triangle];
-  return n.x * direction.x + n.y * direction.y + n.z * direction.z < 0.0f ? Side::front : Side::back;
-}
+/// A point of a side of a surface.
+struct SurfaceHit {
+  std::uint32_t triangle = 0;
+  float u = 0.0f, v = 0.0f;
+  Side side = Side::front;
+};
 
-/// Whether that side exists: the back of a single-sided surface is opaque and black.
-inline bool side_exists(const Geometry& geometry, std::uint32_t triangle, Side side) {
-  return side == Side::front || geometry.double_sided[geometry.material[triangle]];
-}
+/// What a ray travelling along `direction` sees where it met a triangle, or nothing: the back of a
+/// single-sided surface is opaque and black. Two single-sided triangles back to back are one sheet: the ray
+/// sees the one that faces it, whichever was met.
+std::optional<SurfaceHit> seen_surface(const Geometry& geometry, const SurfaceHit& met,
+                                       const glm::vec3& direction);
 
 }  // namespace relume

@@ -11,6 +11,7 @@
 #include "core/sky.h"
 #include "precompute/assemble_model.h"
 #include "precompute/clusters.h"
+#include "precompute/lift_sensor.h"
 #include "precompute/rig.h"
 #include "precompute/rows.h"
 
@@ -61,22 +62,6 @@ void choose_sizes(const PrecomputeOptions& options, const Geometry& geometry, Pr
       options.texel_size > 0.0 ? options.texel_size : two_digits(std::sqrt(area / kDefaultLumels));
   if (options.texel_size <= 0.0) report.texel_size = std::min(report.texel_size, report.cluster_size);
   if (report.cluster_size < report.texel_size) report.cluster_size = report.texel_size;
-}
-
-/// A sensor on or just under a surface is lifted off it; one in free space stays.
-SurfacePoint lift_sensor(const Geometry& geometry, const RayCaster& caster, const SensorPoint& sensor) {
-  const glm::vec3 normal(glm::normalize(sensor.normal));
-  const glm::vec3 at(sensor.position - geometry.origin);
-  const float reach = 1e-4f * glm::length(geometry.upper - geometry.lower);
-  RayPacket packet{};
-  packet.far.fill(-1.0f);
-  const glm::vec3 from = at + normal * reach;
-  packet.origin_x[0] = from.x, packet.origin_y[0] = from.y, packet.origin_z[0] = from.z;
-  packet.direction_x.fill(-normal.x), packet.direction_y.fill(-normal.y), packet.direction_z.fill(-normal.z);
-  packet.far[0] = reach;
-  caster.closest_hits(packet);
-  if (packet.triangle[0] == kNoTriangle) return {at, normal};
-  return {from - normal * packet.far[0] + normal * geometry.offset, normal};
 }
 
 std::vector<ClusteredSurface> make_surfaces(const Scene& scene, const Geometry& geometry,
@@ -167,7 +152,7 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   }
   std::vector<SurfacePoint> sensor_points;
   for (const SensorPoint& sensor : options.sensors)
-    sensor_points.push_back(lift_sensor(geometry, *caster, sensor));
+    sensor_points.push_back(lift_sensor(geometry, *caster, sensor.position, sensor.normal));
   const auto sensor_rows = trace_sensors(row_scene, sensor_points, row_options, counts, observer);
   if (!sensor_rows) return tl::unexpected(sensor_rows.error());
   report.rays = counts.rays;

@@ -40,7 +40,8 @@ SurfacePoint Receiver::sample(const Geometry& geometry, float u, float v) const 
   const auto& c = piece.shape.corners;
   const glm::vec2 uv = c[0] * (1.0f - at.x - at.y) + c[1] * at.x + c[2] * at.y;
   const glm::vec3 point = geometry.point(piece.shape.triangle, uv.x, uv.y);
-  // Away from the border by as much as rays are lifted: an origin in the edge of a room would start behind the other wall.
+  // Away from the border by as much as rays are lifted: an origin in the edge of a room would start behind
+  // the other wall.
   const glm::vec3 inward = middle_.position - point;
   const float distance = glm::length(inward);
   const float step = distance > 0.0f ? std::min(1.0f, 2.0f * geometry.offset / distance) : 0.0f;

@@ -59,8 +59,8 @@ void look(const Geometry& geometry, const RayCaster& caster, const glm::vec3& fr
       m.escaped = packet.triangle[l] == kNoTriangle;
       if (m.escaped) continue;
       m.distance = packet.far[l];
-      m.back_face = !side_exists(geometry, packet.triangle[l],
-                                 side_met(geometry, packet.triangle[l], directions[first + l]));
+      m.back_face = !seen_surface(geometry, {packet.triangle[l], packet.u[l], packet.v[l], Side::front},
+                                  directions[first + l]);
     }
   }
 }

@@ -89,12 +89,13 @@ void RowTracer::count_hit(const RayPacket& packet, int lane, const glm::vec3& no
   if (triangle == kNoTriangle) {
     sender = scene_.cluster_count + sky_cell(glm::dvec3(direction), scene_.sky_resolution);
   } else {
-    const Side side = side_met(scene_.geometry, triangle, direction);
-    if (!side_exists(scene_.geometry, triangle, side)) {
+    const auto seen =
+        seen_surface(scene_.geometry, {triangle, packet.u[lane], packet.v[lane], Side::front}, direction);
+    if (!seen) {
       ++totals.back_faces;
       return;
     }
-    sender = scene_.lookup.sender({triangle, packet.u[lane], packet.v[lane], side});
+    sender = scene_.lookup.sender(*seen);
     if (sender == kNone) return;
     const std::uint32_t emitter = scene_.emitters.list.empty() ? kNone : scene_.emitters.of_cluster[sender];
     if (emitter != kNone && allotted_[emitter] > 0) {

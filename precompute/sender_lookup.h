@@ -24,13 +24,6 @@ struct ClusteredSurface {
   std::uint32_t first_cluster = 0;  ///< numbered through over all systems
 };
 
-/// A point where a ray met a surface.
-struct SurfaceHit {
-  std::uint32_t triangle = 0;
-  float u = 0.0f, v = 0.0f;
-  Side side = Side::front;
-};
-
 /// Maps hits to clusters, numbered through over all systems. Most hits cost one look into the grid of lumels;
 /// where a wall runs through or beside the lumel, the element is found that the hit point sees, so that no
 /// light passes under a wall. Thread-safe.

@@ -87,7 +87,7 @@ bool inside_geometry(const Geometry& geometry, const RayCaster& caster, const Su
       const std::uint32_t t = packet.triangle[lane];
       if (t == kNoTriangle) continue;
       const glm::vec3 d(packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]);
-      back_faces += side_exists(geometry, t, side_met(geometry, t, d)) ? 0 : 1;
+      back_faces += seen_surface(geometry, {t, packet.u[lane], packet.v[lane], Side::front}, d) ? 0 : 1;
     }
   }
   return 2 * back_faces > kInsideRays;
