@@ -73,10 +73,6 @@ Surroundings make_surroundings(const Model& model, const RayCaster& caster, std:
   return around;
 }
 
-glm::dvec3 centre_of(const Patch& patch) {
-  return (patch.corners[0] + patch.corners[1] + patch.corners[2]) / 3.0;
-}
-
 double area_of(const Patch& patch) {
   return 0.5 *
          glm::length(glm::cross(patch.corners[1] - patch.corners[0], patch.corners[2] - patch.corners[0]));
