@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <numeric>
 
 #include "scene/import/accessor_reader.h"
@@ -14,6 +16,8 @@ namespace relume {
 namespace {
 
 constexpr std::uint32_t kUnused = 0xffffffffu;
+constexpr double kCoordinatePrecision =
+    0x1p-22;  // two roundings of a 24-bit mantissa, relative to the largest coordinate
 
 bool has_triangles(const tinygltf::Primitive& primitive) {
   return primitive.mode == TINYGLTF_MODE_TRIANGLES || primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
@@ -40,6 +44,20 @@ std::vector<std::array<std::uint32_t, 3>> assemble(int mode, const std::vector<s
   return triangles;
 }
 
+bool has_area(const AccessorValues& positions, const std::array<std::uint32_t, 3>& triangle) {
+  std::array<glm::dvec3, 3> p{};
+  double largest = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double* at = &positions.values[std::size_t{3} * triangle[i]];
+    p[i] = {at[0], at[1], at[2]};
+    for (int axis = 0; axis < 3; ++axis) largest = std::max(largest, std::abs(p[i][axis]));
+  }
+  const double longest =
+      std::max({glm::distance(p[0], p[1]), glm::distance(p[1], p[2]), glm::distance(p[2], p[0])});
+  const double double_area = glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
+  return double_area > kCoordinatePrecision * largest * longest;
+}
+
 /// Reads the parts of one primitive.
 class PrimitiveReader {
  public:
@@ -54,6 +72,7 @@ class PrimitiveReader {
     MeshPrimitive out;
     out.material = primitive_.material;
     out.triangles = assemble(primitive_.mode, *corners);
+    out.without_area = std::erase_if(out.triangles, [&](const auto& t) { return !has_area(*positions, t); });
     const auto kept = keep_used(positions->count, out.triangles);
     out.positions.reserve(kept.size());
     for (const std::uint32_t i : kept) {

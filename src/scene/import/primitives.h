@@ -13,7 +13,9 @@
 
 namespace relume {
 
-/// The triangles of one primitive in the space of its node, with only the vertices that they use.
+/// The triangles of one primitive in the space of its node, with only the vertices that they use. Those whose
+/// height is lost in the precision of 32-bit coordinates have no area and are left out: the same mesh
+/// quantized or stored otherwise keeps the same triangles.
 struct MeshPrimitive {
   int material = -1;  ///< glTF index
   std::vector<glm::dvec3> positions;
@@ -21,6 +23,7 @@ struct MeshPrimitive {
   std::vector<glm::vec2> uv1;
   std::vector<glm::vec4> colors;
   std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::uint64_t without_area = 0;  ///< triangles left out
 };
 
 /// What was seen on the way, for warnings.

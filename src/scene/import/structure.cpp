@@ -121,6 +121,27 @@ Result<void> check_accessor(const Json& accessor, const Json& views, const std::
   return check_sparse(accessor, views, element_bytes, file, place);
 }
 
+Result<void> check_primitive(const Json& primitive, const Json& accessors, const std::string& file,
+                             const std::string& place) {
+  const Json& attributes = primitive["attributes"];
+  const auto has_data = [&](const Json& holder, const char* name) {
+    if (!holder.contains(name)) return true;
+    const Json& accessor = accessors[size_of(holder, name)];
+    return accessor.contains("bufferView") || accessor.contains("sparse");
+  };
+  const bool is_packed =
+      primitive.contains("extensions") && primitive["extensions"].contains("KHR_draco_mesh_compression");
+  if (is_packed && !has_data(attributes, "POSITION")) {
+    return import_error(file, place + "/extensions",
+                        "triangles that are not packed, or by EXT_meshopt_compression",
+                        "KHR_draco_mesh_compression");
+  }
+  if (!has_data(primitive, "indices")) {
+    return import_error(file, place + "/indices", "an accessor with a bufferView", "one without data");
+  }
+  return {};
+}
+
 /// The parent of each node.
 Result<std::vector<Size>> parents_of(const Json& nodes, const std::string& file) {
   std::vector<Size> parents(nodes.size(), kNoParent);
@@ -151,6 +172,19 @@ Result<void> check_ranges(const Json& document, const std::string& file) {
   for (Size i = 0; i < accessors.size(); ++i) {
     if (auto result = check_accessor(accessors[i], views, file, json_path("accessors", i)); !result)
       return result;
+  }
+  return {};
+}
+
+Result<void> check_primitives(const Json& document, const std::string& file) {
+  const Json& meshes = array_of(document, "meshes");
+  for (Size m = 0; m < meshes.size(); ++m) {
+    const Json& primitives = meshes[m]["primitives"];
+    for (Size p = 0; p < primitives.size(); ++p) {
+      auto result = check_primitive(primitives[p], array_of(document, "accessors"), file,
+                                    fmt::format("/meshes/{}/primitives/{}", m, p));
+      if (!result) return result;
+    }
   }
   return {};
 }

@@ -12,6 +12,9 @@ namespace relume {
 /// and before any data is read. `document` has passed check_rules.
 Result<void> check_ranges(const nlohmann::json& document, const std::string& file);
 
+/// Indices have data behind them; what is packed in a way that is not read is named.
+Result<void> check_primitives(const nlohmann::json& document, const std::string& file);
+
 /// The nodes are a forest: no node has two parents, no cycles, and no root of a scene is a child.
 Result<void> check_node_forest(const nlohmann::json& document, const std::string& file);
 

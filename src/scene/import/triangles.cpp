@@ -14,8 +14,7 @@
 namespace relume {
 namespace {
 
-constexpr double kLeastHeight = 1e-10;  // of the longest edge: far above the rounding of a transform in
-                                        // double, far below any modelled shape
+constexpr double kLeastHeight = 1e-10;  // of the longest edge: above the rounding of a transform in double
 
 using Triangle = std::array<std::uint32_t, 3>;
 using Corners = std::array<glm::dvec3, 3>;
@@ -147,6 +146,7 @@ void append_surface(const MeshPrimitive& primitive, const glm::dmat4& world, std
     for (std::uint32_t& corner : triangle) corner += first_vertex;
     scene.triangles.push_back(triangle);
   }
+  scene.dropped.without_area += primitive.without_area;
   if (surface.triangle_count != 0) scene.surfaces.push_back(surface);
 }
 

@@ -17,9 +17,9 @@ inline constexpr double kMaxCoordinate = 1e18;
 void append_surface(const MeshPrimitive& primitive, const glm::dmat4& world, std::uint32_t node,
                     std::uint32_t material, Scene& scene);
 
-/// Takes out triangles with a coordinate that is not finite or beyond kMaxCoordinate, of no area (height
-/// below 1e-10 of the longest edge), or with the same corners in the same sense as an earlier one; then
-/// vertices and surfaces that nothing uses. Counts them in the scene.
+/// Takes out triangles with a coordinate that is not finite or beyond kMaxCoordinate, that a transform made
+/// flat, or that have the same corners in the same sense as an earlier one; then vertices and surfaces that
+/// nothing uses. Counts them in the scene.
 void drop_bad_triangles(Scene& scene);
 
 }  // namespace relume
