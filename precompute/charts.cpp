@@ -15,7 +15,7 @@ namespace {
 
 /// Share of the covered sample points of a TEXCOORD_1 that may lie in two triangles before the set counts as
 /// overlapping.
-constexpr double kOverlapShare = 0.005;
+constexpr double kOverlapShare = 0.02;
 
 struct TriangleRange {
   std::uint32_t first = 0, last = 0;
