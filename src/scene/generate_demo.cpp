@@ -72,7 +72,7 @@ void add_shell(GlbScene& scene) {
   add_surface(scene, "wall_front", kWhite, inward(low, kRoom, kFront));
   add_window_wall(scene);
   Boxes door;
-  door.add({3.75, 0.0, 0.0}, {4.6, 2.05, 0.04}, kAllFaces & ~(kBottom | kBack));
+  door.add({kRoom.x - 0.04, 0.0, 1.5}, {kRoom.x, 2.05, 2.4}, kAllFaces & ~(kBottom | kRight));
   add_surface(scene, "door", {0.72, 0.70, 0.64}, door.take());
 }
 
@@ -188,15 +188,15 @@ void add_dining_table(GlbScene& scene) {
 }
 
 /// Books of some widths, heights and colours from left to right of a board.
-void add_books(GlbScene& scene, const std::string& name, double board_y, double from_z, std::size_t count) {
+void add_books(GlbScene& scene, const std::string& name, double board_y, double from_x, std::size_t count) {
   const Rgb colors[] = {{0.55, 0.14, 0.12}, {0.16, 0.30, 0.18}, {0.70, 0.62, 0.42}, {0.14, 0.18, 0.40}};
   Boxes books[4];
-  double z = from_z;
+  double x = from_x;
   for (std::size_t i = 0; i < count; ++i) {
     const double width = 0.028 + 0.009 * static_cast<double>((i * 5) % 4);
     const double height = 0.20 + 0.025 * static_cast<double>((i * 7) % 4);
-    books[(i * 3 + i / 4) % 4].add({4.76, board_y, z}, {4.95, board_y + height, z + width}, kStandingFaces);
-    z += width + 0.003;
+    books[(i * 3 + i / 4) % 4].add({x, board_y, 0.06}, {x + width, board_y + height, 0.26}, kStandingFaces);
+    x += width + 0.003;
   }
   for (std::size_t c = 0; c < 4; ++c) {
     if (GlbPrimitive mesh = books[c].take(); !mesh.triangles.empty()) {
@@ -206,22 +206,24 @@ void add_books(GlbScene& scene, const std::string& name, double board_y, double 
 }
 
 void add_shelf(GlbScene& scene) {
-  const double from = 0.7;
-  const double to = 2.3;
-  const double back = 4.98;
+  const double from = 3.68;
+  const double to = 4.92;
+  const double first_board = 0.08;
+  const double step = 0.445;
   Boxes shelf;
-  shelf.add({4.68, 0.0, from}, {back, 1.9, from + 0.03}, kStandingFaces);
-  shelf.add({4.68, 0.0, to - 0.03}, {back, 1.9, to}, kStandingFaces);
+  shelf.add({from, 0.0, 0.02}, {from + 0.03, 1.9, 0.32}, kStandingFaces);
+  shelf.add({to - 0.03, 0.0, 0.02}, {to, 1.9, 0.32}, kStandingFaces);
   for (int i = 0; i < 5; ++i) {
-    const double y = 0.08 + 0.445 * i;
-    shelf.add({4.68, y, from + 0.032}, {back, y + 0.025, to - 0.032});
+    const double y = first_board + step * i;
+    shelf.add({from + 0.032, y, 0.02}, {to - 0.032, y + 0.025, 0.32});
   }
   add_surface(scene, "shelf", {0.74, 0.70, 0.62}, shelf.take());
-  add_books(scene, "books_low", 0.08 + 0.445 + 0.026, 0.80, 24);
-  add_books(scene, "books_middle", 0.08 + 2 * 0.445 + 0.026, 1.05, 20);
-  add_books(scene, "books_high", 0.08 + 3 * 0.445 + 0.026, 0.80, 14);
+  const double on_board = first_board + 0.026;
+  add_books(scene, "books_low", on_board + step, 3.75, 17);
+  add_books(scene, "books_middle", on_board + 2 * step, 4.05, 15);
+  add_books(scene, "books_high", on_board + 3 * step, 3.75, 11);
   GlbPrimitive globe;
-  append_sphere(globe, {4.82, 0.08 + 4 * 0.445 + 0.025 + 0.13, 1.5}, 0.13, 0.0, kPi, 24, 36);
+  append_sphere(globe, {4.62, on_board + 3 * step + 0.12, 0.17}, 0.12, 0.0, kPi, 24, 36);
   add_surface(scene, "globe", {0.30, 0.48, 0.62}, std::move(globe));
 }
 
