@@ -23,8 +23,8 @@ namespace {
 /// Each element is cut into about so many patches, each with a shadow ray of its own from a random point.
 constexpr double kPatchesPerElement = 16.0;
 constexpr int kMaxPatchRows = 4;
-/// Patches that look larger than this from a light (sr) are cut again, so that shadows and cones close to a
-/// light are met.
+/// Patches that look larger than this from a light (sr), or than a 64th of a spot's cone, are cut again, so
+/// that shadows and cones close to a light are met.
 constexpr double kMaxSolidAngle = 4.0 * kPi / 1024.0;
 constexpr int kMaxCuts = 5;
 
@@ -97,6 +97,11 @@ std::array<Patch, 4> cut_in_four(const Patch& patch) {
     return Patch{corners, patch.normal, mix(patch.key, index + 1)};
   };
   return {child(0, {a, ab, ca}), child(1, {ab, b, bc}), child(2, {ca, bc, c}), child(3, {bc, ca, ab})};
+}
+
+double max_solid_angle(const Light& light) {
+  if (light.type != LightType::spot) return kMaxSolidAngle;
+  return std::min(kMaxSolidAngle, 2.0 * kPi * (1.0 - std::cos(light.outer_cone_angle)) / 64.0);
 }
 
 /// Whether light from `light` (about the origin) reaches a surface point.
@@ -186,7 +191,7 @@ class ElementLight {
                                       : glm::dot(light.position - patch.corners[0], glm::dvec3(patch.normal));
     if (facing <= 0.0 || !may_reach(light, patch.corners)) return 0.0;
     const double size = directional ? facing * area_of(patch) : solid_angle(light.position, patch.corners);
-    if (!directional && size > kMaxSolidAngle && cuts < kMaxCuts) {
+    if (!directional && cuts < kMaxCuts && size > max_solid_angle(light)) {
       double sum = 0.0;
       for (const Patch& child : cut_in_four(patch)) sum += flux_share(light, child, cuts + 1);
       return sum;
