@@ -219,6 +219,10 @@ VkPhysicalDeviceType StandaloneDevice::type() const {
   return state_->properties.deviceType;
 }
 
+std::uint32_t StandaloneDevice::queue_family() const {
+  return state_->family.index;
+}
+
 const VkPhysicalDeviceMemoryProperties& StandaloneDevice::memory_properties() const {
   return state_->memory;
 }

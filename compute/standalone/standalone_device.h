@@ -45,6 +45,7 @@ class StandaloneDevice {
 
   const std::string& name() const;
   VkPhysicalDeviceType type() const;
+  std::uint32_t queue_family() const;
   const VkPhysicalDeviceMemoryProperties& memory_properties() const;
 
   /// Whether validation was asked for and is there.

@@ -30,7 +30,8 @@ float row_in_documented_order(const MatrixBlock& block, const std::vector<float>
   }
   const float even = (lanes[0] + lanes[4]) + (lanes[2] + lanes[6]);
   const float odd = (lanes[1] + lanes[5]) + (lanes[3] + lanes[7]);
-  const float scale = block.codec == ValueCodec::f32 ? block.row_scales[0] : block.row_scales[0] * (1.0f / 65535.0f);
+  const float scale =
+      block.codec == ValueCodec::f32 ? block.row_scales[0] : block.row_scales[0] * (1.0f / 65535.0f);
   return (even + odd) * scale;
 }
 

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "compute/fake_host.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <utility>
+
+namespace relume::test {
+namespace {
+
+constexpr std::byte kGuard{0xff};
+constexpr VkDeviceSize kGap = 512;
+
+VKAPI_ATTR void VKAPI_CALL no_barrier(VkCommandBuffer, VkPipelineStageFlags, VkPipelineStageFlags,
+                                      VkDependencyFlags, std::uint32_t, const VkMemoryBarrier*, std::uint32_t,
+                                      const VkBufferMemoryBarrier*, std::uint32_t,
+                                      const VkImageMemoryBarrier*) {}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_without_barriers(VkDevice device, const char* name) {
+  if (std::strcmp(name, "vkCmdPipelineBarrier") == 0) return reinterpret_cast<PFN_vkVoidFunction>(no_barrier);
+  return vkGetDeviceProcAddr(device, name);
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_without_fill(VkDevice device, const char* name) {
+  return std::strcmp(name, "vkCmdFillBuffer") == 0 ? nullptr : vkGetDeviceProcAddr(device, name);
+}
+
+}  // namespace
+
+GuardedMemory::GuardedMemory(const StandaloneDevice& device, VkDeviceSize byte_size) {
+  constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                                        VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  auto made = make_device_buffer(device, byte_size, kUsage, MemoryKind::readback);
+  if (!made) return;
+  buffer_ = std::move(*made);
+  std::fill_n(buffer_.mapped, byte_size, kGuard);
+}
+
+Result<BufferRange> GuardedMemory::allocate(const BufferRequirement& requirement) {
+  const VkDeviceSize end = ranges_.empty() ? 0 : ranges_.back().offset + ranges_.back().byte_size;
+  const VkDeviceSize offset =
+      (end + kGap + requirement.alignment - 1) / requirement.alignment * requirement.alignment;
+  if (offset + requirement.byte_size + kGap > buffer_.byte_size) {
+    return fail(ErrorCode::out_of_memory, "the fake host has no memory for '" + requirement.name + "'");
+  }
+  ranges_.push_back({buffer_.buffer.get(), offset, requirement.byte_size});
+  return ranges_.back();
+}
+
+std::span<const std::byte> GuardedMemory::bytes(const BufferRange& range) const {
+  return {buffer_.mapped + range.offset, range.byte_size};
+}
+
+std::vector<Rgb> GuardedMemory::read_rgb(const BufferRange& range) const {
+  std::vector<Rgb> values;
+  for (VkDeviceSize at = 0; at < range.byte_size; at += 16) {
+    std::array<float, 4> texel{};
+    std::memcpy(&texel, bytes(range).data() + at, sizeof texel);
+    values.emplace_back(texel[0], texel[1], texel[2]);
+  }
+  return values;
+}
+
+std::size_t GuardedMemory::damaged_bytes() const {
+  std::size_t damaged = 0;
+  VkDeviceSize begin = 0;
+  const auto count = [&](VkDeviceSize end) {
+    damaged += static_cast<std::size_t>(std::count_if(buffer_.mapped + begin, buffer_.mapped + end,
+                                                      [](std::byte byte) { return byte != kGuard; }));
+  };
+  for (const BufferRange& range : ranges_) {
+    count(range.offset);
+    begin = range.offset + range.byte_size;
+  }
+  count(buffer_.byte_size);
+  return damaged;
+}
+
+VkDeviceSize GuardedMemory::handed_out() const {
+  VkDeviceSize sum = 0;
+  for (const BufferRange& range : ranges_) sum += range.byte_size;
+  return sum;
+}
+
+CountingCallbacks::CountingCallbacks() {
+  callbacks_.pUserData = this;
+  callbacks_.pfnAllocation = allocate;
+  callbacks_.pfnReallocation = reallocate;
+  callbacks_.pfnFree = release;
+}
+
+void* CountingCallbacks::allocate(void* self, std::size_t size, std::size_t alignment,
+                                  VkSystemAllocationScope) {
+  auto& counter = *static_cast<CountingCallbacks*>(self);
+  ++counter.living_;
+  ++counter.made_;
+  const std::size_t whole = std::max(alignment, sizeof(void*));
+  return std::aligned_alloc(whole, (size + whole - 1) / whole * whole);
+}
+
+void* CountingCallbacks::reallocate(void* self, void* original, std::size_t size, std::size_t alignment,
+                                    VkSystemAllocationScope scope) {
+  if (original == nullptr) return allocate(self, size, alignment, scope);
+  return std::realloc(original, size);
+}
+
+void CountingCallbacks::release(void* self, void* memory) {
+  if (memory != nullptr) --static_cast<CountingCallbacks*>(self)->living_;
+  std::free(memory);
+}
+
+PFN_vkVoidFunction get_proc_addr_without_barriers(VkInstance instance, const char* name) {
+  if (std::strcmp(name, "vkGetDeviceProcAddr") == 0) {
+    return reinterpret_cast<PFN_vkVoidFunction>(device_without_barriers);
+  }
+  return vkGetInstanceProcAddr(instance, name);
+}
+
+PFN_vkVoidFunction get_proc_addr_without_fill(VkInstance instance, const char* name) {
+  if (std::strcmp(name, "vkGetDeviceProcAddr") == 0) {
+    return reinterpret_cast<PFN_vkVoidFunction>(device_without_fill);
+  }
+  return vkGetInstanceProcAddr(instance, name);
+}
+
+}  // namespace relume::test

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+//
+// A renderer that owns everything: memory with guards around each buffer, allocation callbacks that count,
+// and a vkGetInstanceProcAddr that is not the loader's.
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "compute/gpu_solver.h"
+#include "compute/standalone/standalone_device.h"
+#include "compute/standalone/standalone_memory.h"
+
+namespace relume::test {
+
+/// One large mapped buffer, all bytes 0xff (NaN as floats) at first, of which ranges are handed out with gaps
+/// between them.
+class GuardedMemory {
+ public:
+  GuardedMemory(const StandaloneDevice& device, VkDeviceSize byte_size);
+
+  Result<BufferRange> allocate(const BufferRequirement& requirement);
+
+  std::vector<Rgb> read_rgb(const BufferRange& range) const;
+  std::span<const std::byte> bytes(const BufferRange& range) const;
+
+  /// Bytes outside of what was handed out that are no longer 0xff.
+  std::size_t damaged_bytes() const;
+  VkDeviceSize handed_out() const;
+
+ private:
+  DeviceBuffer buffer_;
+  std::vector<BufferRange> ranges_;
+};
+
+/// Host memory of Vulkan objects, counted.
+class CountingCallbacks {
+ public:
+  CountingCallbacks();
+  const VkAllocationCallbacks* get() const { return &callbacks_; }
+  int living() const { return living_; }
+  int made() const { return made_; }
+
+ private:
+  static void* VKAPI_PTR allocate(void* self, std::size_t size, std::size_t alignment,
+                                  VkSystemAllocationScope);
+  static void* VKAPI_PTR reallocate(void* self, void* original, std::size_t size, std::size_t alignment,
+                                    VkSystemAllocationScope);
+  static void VKAPI_PTR release(void* self, void* memory);
+
+  VkAllocationCallbacks callbacks_{};
+  int living_ = 0;
+  int made_ = 0;
+};
+
+/// A vkGetInstanceProcAddr whose devices have a vkCmdPipelineBarrier that does nothing.
+PFN_vkVoidFunction VKAPI_PTR get_proc_addr_without_barriers(VkInstance instance, const char* name);
+
+/// One whose devices lack vkCmdFillBuffer.
+PFN_vkVoidFunction VKAPI_PTR get_proc_addr_without_fill(VkInstance instance, const char* name);
+
+}  // namespace relume::test

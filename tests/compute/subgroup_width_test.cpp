@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+//
+// The same bits at every subgroup width and from every kernel. Mesa's software driver has the width of its
+// vectors, which its environment sets; other drivers ignore that, and all runs have one width.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <set>
+#include <sstream>
+#include <string>
+
+namespace relume::test {
+namespace {
+
+struct DigestRun {
+  int status = -1;
+  std::uint32_t subgroup_size = 0;
+  std::string f32_per_thread, f32_per_8_lanes, unorm16_per_thread, unorm16_per_8_lanes;
+};
+
+DigestRun run_with_vectors_of(int bits) {
+  // The driver's cache of compiled kernels does not know the width.
+  const std::string command = "MESA_SHADER_CACHE_DISABLE=1 LP_NATIVE_VECTOR_WIDTH=" + std::to_string(bits) +
+                              " " + std::string(RELUME_SOLVE_DIGEST) + " 2>&1";
+  DigestRun run;
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) return run;
+  std::string output;
+  for (int character = std::fgetc(pipe); character != EOF; character = std::fgetc(pipe)) {
+    output += static_cast<char>(character);
+  }
+  const int status = pclose(pipe);
+  run.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  std::istringstream words(output);
+  words >> run.subgroup_size >> run.f32_per_thread >> run.f32_per_8_lanes >> run.unorm16_per_thread >>
+      run.unorm16_per_8_lanes;
+  return run;
+}
+
+TEST(SubgroupWidth, ChangesNoBit) {
+  std::set<std::uint32_t> widths;
+  std::set<std::string> f32;
+  std::set<std::string> unorm16;
+  for (const int bits : {128, 256, 512}) {
+    const DigestRun run = run_with_vectors_of(bits);
+    if (run.status == 4) GTEST_SKIP() << "no usable Vulkan device";
+    ASSERT_EQ(run.status, 0);
+    widths.insert(run.subgroup_size);
+    f32.insert({run.f32_per_thread, run.f32_per_8_lanes});
+    unorm16.insert({run.unorm16_per_thread, run.unorm16_per_8_lanes});
+  }
+  RecordProperty("subgroup_widths", static_cast<int>(widths.size()));
+  EXPECT_EQ(f32.size(), 1u) << testing::PrintToString(f32);
+  EXPECT_EQ(unorm16.size(), 1u) << testing::PrintToString(unorm16);
+  EXPECT_NE(*f32.begin(), *unorm16.begin());
+  EXPECT_EQ(f32.begin()->size(), 16u);
+}
+
+}  // namespace
+}  // namespace relume::test
