@@ -1,0 +1,73 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+#
+# ./setup.sh demo   installs what is missing, builds, and relights a room: pictures, tables, GPU against reference
+# ./setup.sh test   installs what is missing, builds, and runs all tests
+#
+# Debian 12. Packages come from apt as root or with sudo; where that cannot be, the missing ones are printed and the exit status is 2.
+# Everything lands in build/release and demo; a second run rebuilds only what changed.
+set -euo pipefail
+if [[ ${BASH_SOURCE[0]} == */* ]]; then cd "${BASH_SOURCE[0]%/*}"; fi
+
+# package, or package:command where a command in PATH shows that it is there
+packages=(
+  build-essential:c++ cmake:cmake ninja-build:ninja glslang-tools:glslangValidator
+  libembree-dev libtbb-dev libvulkan-dev mesa-vulkan-drivers vulkan-validationlayers
+  libtinygltf-dev libmeshoptimizer-dev libstb-dev libtinyexr-dev zlib1g-dev
+  libglm-dev libfmt-dev libexpected-dev libcli11-dev nlohmann-json3-dev libxxhash-dev
+  libgtest-dev libgmock-dev libbenchmark-dev libeigen3-dev
+)
+
+installed() {
+  local package=${1%%:*} command=${1#*:}
+  if [[ $command != "$package" ]] && ! command -v "$command" >/dev/null; then return 1; fi
+  command -v dpkg-query >/dev/null && [[ $(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) == installed ]]
+}
+
+install_packages() {
+  local entry missing=() privilege=()
+  for entry in "${packages[@]}"; do
+    installed "$entry" || missing+=("${entry%%:*}")
+  done
+  if ((${#missing[@]} == 0)); then return; fi
+  if ((EUID != 0)); then privilege=(sudo); fi
+  if ! command -v apt-get >/dev/null || { ((EUID != 0)) && ! command -v sudo >/dev/null; }; then
+    echo "These packages are missing, and they cannot be installed here (no apt-get, or neither root nor sudo):" >&2
+    printf '  %s\n' "${missing[@]}" >&2
+    exit 2
+  fi
+  echo "Installing: ${missing[*]}"
+  "${privilege[@]}" apt-get update -qq
+  "${privilege[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}"
+}
+
+# build TARGET...
+build() {
+  mkdir -p build
+  cmake --preset release >build/configure.log 2>&1 || { cat build/configure.log >&2; exit 1; }
+  cmake --build --preset release --target "$@"
+}
+
+demo() {
+  build relume relume-make-scene
+  local relume=build/release/src/tool/relume make_scene=build/release/src/scene/relume-make-scene
+  mkdir -p demo
+  "$make_scene" demo -o demo/room.glb
+  "$relume" precompute demo/room.glb -o demo/room.relume
+  "$relume" solve demo/room.relume -o demo/room
+  "$relume" compare demo/room.relume
+  echo
+  echo "Pictures:"
+  find "$PWD/demo" -name '*.png' | sort | sed 's/^/  /'
+}
+
+run_tests() {
+  build all
+  ctest --preset release
+}
+
+case ${1-} in
+  demo) install_packages; demo ;;
+  test) install_packages; run_tests ;;
+  *) echo "usage: ./setup.sh demo|test" >&2; exit 2 ;;
+esac

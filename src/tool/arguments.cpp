@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: MIT
+#include "tool/arguments.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
+#include <functional>
+
+#include "tool/debug_view.h"
+
+namespace relume {
+namespace {
+
+constexpr const char* kExitStatuses =
+    "Exit status: 0 done, 1 a check failed, 2 usage, 3 bad or unreadable input,\n"
+    "4 no usable device, 5 out of memory or disk, 130 stopped by Ctrl-C.";
+
+std::optional<double> parse_number(const std::string& text) {
+  double number = 0.0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (code != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) return {};
+  return number;
+}
+
+/// "2%" or "0.02".
+std::optional<double> parse_share(const std::string& text) {
+  if (!text.ends_with('%')) return parse_number(text);
+  const std::optional<double> percent = parse_number(text.substr(0, text.size() - 1));
+  return percent ? std::optional(*percent / 100.0) : std::nullopt;
+}
+
+/// An option that takes one number; `accepts` says which, `expected` in words.
+template <class Target, class Parse>
+CLI::Option* add_number(CLI::App& app, const std::string& name, Target& target, Parse parse,
+                        std::function<bool(double)> accepts, const std::string& expected,
+                        const std::string& help) {
+  const auto take = [name, &target, parse, accepts, expected](const std::string& text) {
+    const std::optional<double> number = parse(text);
+    if (!number || !accepts(*number)) {
+      throw CLI::ValidationError(name, fmt::format("expected {}, found '{}'", expected, text));
+    }
+    target = Target(*number);
+  };
+  return app.add_option_function<std::string>(name, take, help)->type_name("");
+}
+
+bool is_positive(double number) {
+  return number > 0.0;
+}
+bool is_albedo_limit(double number) {
+  return number > 0.0 && number <= 0.9999;
+}
+
+bool is_count(double number, double least) {
+  return number >= least && number <= 4294967295.0 && number == std::floor(number);
+}
+
+template <class Target>
+CLI::Option* add_count(CLI::App& app, const std::string& name, Target& target, double least,
+                       const std::string& help) {
+  return add_number(
+      app, name, target, parse_number, [least](double number) { return is_count(number, least); },
+      fmt::format("a whole number of at least {}", least), help);
+}
+
+CLI::Option* add_path(CLI::App& app, const std::string& name, std::filesystem::path& path,
+                      const std::string& help) {
+  return app
+      .add_option_function<std::string>(
+          name, [&path](const std::string& text) { path = text; }, help)
+      ->type_name("");
+}
+
+CLI::Option* add_path(CLI::App& app, const std::string& name, std::optional<std::filesystem::path>& path,
+                      const std::string& help) {
+  return app
+      .add_option_function<std::string>(
+          name, [&path](const std::string& text) { path = text; }, help)
+      ->type_name("");
+}
+
+/// One of several words; `take` gets the index of the word.
+CLI::Option* add_choice(CLI::App& app, const std::string& name, const std::vector<std::string>& words,
+                        std::function<void(std::size_t)> take, const std::string& help) {
+  const auto choose = [name, words, take](const std::string& text) {
+    const auto word = std::find(words.begin(), words.end(), text);
+    if (word == words.end()) {
+      throw CLI::ValidationError(name,
+                                 fmt::format("expected {}, found '{}'", fmt::join(words, " or "), text));
+    }
+    take(static_cast<std::size_t>(word - words.begin()));
+  };
+  return app.add_option_function<std::string>(name, choose, help)->type_name("");
+}
+
+void add_lighting(CLI::App& app, LightingOptions& lighting) {
+  add_path(app, "--scene", lighting.scene, "Edited copy of the scene: its colours, emission and lights");
+  add_path(app, "--lights", lighting.lights, "JSON that replaces all punctual lights");
+  add_path(app, "--materials", lighting.materials, "JSON that replaces albedo and emission by material name");
+  app.add_option_function<std::string>(
+         "--sky", [&lighting](const std::string& text) { lighting.sky = text; },
+         "R,G,B in cd/m2, or an equirectangular .hdr")
+      ->type_name("");
+  add_number(app, "--max-albedo", lighting.max_albedo, parse_number, is_albedo_limit,
+             "a number above 0, at most 0.9999", "Albedos above are clamped (default: as precomputed)");
+}
+
+CLI::Option* add_device(CLI::App& app, SolverChoice& solver, bool reference_allowed) {
+  const auto take = [&solver, reference_allowed](const std::string& text) {
+    const bool named = text.starts_with("vulkan:") && text.size() > 7;
+    if (text != "vulkan" && !named && !(reference_allowed && text == "reference")) {
+      throw CLI::ValidationError("--device", fmt::format("expected {}vulkan or vulkan:NAME, found '{}'",
+                                                         reference_allowed ? "reference, " : "", text));
+    }
+    solver.reference = text == "reference";
+    solver.device_name = named ? text.substr(7) : "";
+  };
+  return app
+      .add_option_function<std::string>(
+          "--device", take,
+          reference_allowed ? "reference, vulkan (default) or vulkan:NAME" : "vulkan or vulkan:NAME")
+      ->type_name("");
+}
+
+void add_solver(CLI::App& app, SolverChoice& solver, bool reference_allowed) {
+  add_device(app, solver, reference_allowed);
+  const std::vector<std::string>& kernels = kernel_names();
+  add_choice(
+      app, "--kernel", kernels, [&solver, &kernels](std::size_t k) { solver.kernel = kernels[k]; },
+      fmt::format("{} (default: the faster one)", fmt::join(kernels, " or ")));
+}
+
+class Parser {
+ public:
+  Parser() : app_("Precomputed radiosity, relit on the GPU.", "relume") {
+    app_.require_subcommand(1);
+    app_.set_version_flag("--version", std::string("relume ") + RELUME_VERSION);
+    app_.footer(kExitStatuses);
+    add_precompute();
+    add_info_and_check();
+    add_solve();
+    add_compare();
+    add_factors();
+    add_export();
+  }
+
+  Result<std::variant<ParsedArguments, HelpText>> parse(int count, const char* const* values) {
+    try {
+      app_.parse(count, values);
+    } catch (const CLI::CallForHelp&) {
+      return HelpText{app_.help()};
+    } catch (const CLI::CallForVersion& version) {
+      return HelpText{std::string(version.what()) + "\n"};
+    } catch (const CLI::ParseError& error) {
+      return fail(ErrorCode::usage, fmt::format("{}; see relume --help.", error.what()));
+    }
+    if (export_.matrices.empty() && !export_.glb && export_.debug.empty() && app_.got_subcommand("export")) {
+      return fail(ErrorCode::usage,
+                  "export: expected --matrices, --glb or --debug, found none; see relume export --help.");
+    }
+    if (bounces_) solve_.rule = {*bounces_, 0.0};
+    return ParsedArguments{chosen(), mode_};
+  }
+
+ private:
+  CLI::App& add_command(const std::string& name, const std::string& help) {
+    CLI::App& command = *app_.add_subcommand(name, help);
+    command.add_flag("--json", mode_.json, "One JSON object on standard output, nothing else there");
+    command.add_flag("--quiet", mode_.quiet, "No summary, warnings or progress");
+    command.footer(kExitStatuses);
+    return command;
+  }
+
+  void add_precompute() {
+    CLI::App& command = add_command("precompute", "Trace a scene once: clusters, lumels and form factors");
+    PrecomputeOptions& options = precompute_.options;
+    add_path(command, "SCENE", precompute_.scene, "glTF scene (.gltf, .glb)")->required();
+    add_path(command, "-o,--output", precompute_.output, "The .relume file to write")->required();
+    add_count(command, "--quality", options.quality, 1, "Rays per lumel (default 512)");
+    add_count(command, "--sensor-quality", options.sensor_quality, 1,
+              "Rays per sensor (default 16 x quality, at least 4096)");
+    add_length(command, "--cluster-size", options.cluster_size, "m (default: about 4 k clusters)");
+    add_length(command, "--texel-size", options.texel_size, "m (default: about 40 k lumels)");
+    add_path(command, "--sensors", precompute_.sensors, "CSV with header id,px,py,pz,nx,ny,nz");
+    add_choice(
+        command, "--codec", {"f32", "unorm16"},
+        [&options](std::size_t k) { options.codec = static_cast<ValueCodec>(k); },
+        "f32 (default) or unorm16: how form factors are stored");
+    add_number(command, "--max-albedo", options.max_albedo, parse_number, is_albedo_limit,
+               "a number above 0, at most 0.9999", "Albedos above are clamped (default 0.95)");
+    add_count(command, "--threads", options.threads, 1, "Default: all");
+    add_count(command, "--seed", options.seed, 0, "Default 0");
+  }
+
+  static void add_length(CLI::App& command, const std::string& name, double& length,
+                         const std::string& help) {
+    add_number(command, name, length, parse_number, is_positive, "a length above 0 in metres", help);
+  }
+
+  void add_info_and_check() {
+    add_path(add_command("info", "What is in a .relume file"), "FILE", info_.file, ".relume file")
+        ->required();
+    add_path(add_command("check", "Verify a .relume file"), "FILE", check_.file, ".relume file")->required();
+  }
+
+  void add_solve() {
+    CLI::App& command = add_command("solve", "Relight: lightmaps, tables and pictures");
+    add_path(command, "FILE", solve_.file, ".relume file")->required();
+    add_path(command, "-o,--output", solve_.output, "Folder for the results")->required();
+    add_lighting(command, solve_.lighting);
+    add_solver(command, solve_.solver, true);
+    add_choice(
+        command, "--method", {"bounces"}, [](std::size_t) {}, "bounces (default)");
+    CLI::Option* bounces = add_count(command, "--bounces", bounces_, 0, "Exactly this many bounces");
+    CLI::Option* tolerance =
+        add_number(command, "--tolerance", solve_.rule.tolerance, parse_share, is_positive,
+                   "a relative error above 0", "Stop at this relative error (default 1e-4)");
+    bounces->excludes(tolerance);
+  }
+
+  void add_compare() {
+    CLI::App& command = add_command("compare", "The GPU against the reference, per output");
+    add_path(command, "FILE", compare_.file, ".relume file")->required();
+    add_lighting(command, compare_.lighting);
+    add_solver(command, compare_.solver, false);
+    add_count(command, "--bounces", compare_.bounces, 0,
+              "Bounces on both sides (default: what the reference needs for 1e-4)");
+    add_number(command, "--tolerance", compare_.tolerance, parse_share, is_positive,
+               "a relative error above 0", "Largest relative error that passes (default 1e-5)");
+  }
+
+  void add_factors() {
+    CLI::App& command = add_command("factors", "Form factors between the named surfaces of a scene");
+    add_path(command, "SCENE", factors_.scene, "glTF scene (.gltf, .glb)")->required();
+    add_choice(
+        command, "--by", {"node", "material"},
+        [this](std::size_t k) {
+          factors_.grouping = k == 0 ? FactorGrouping::node : FactorGrouping::material;
+        },
+        "node (default) or material");
+    add_count(command, "--rays", factors_.rays, 1,
+              fmt::format("Rays per surface (default {})", factors_.rays));
+    add_count(command, "--seed", factors_.seed, 0, "Default 0");
+    add_count(command, "--threads", factors_.threads, 1, "Default: all");
+  }
+
+  void add_export() {
+    CLI::App& command = add_command("export", "Matrices, geometry and debug pictures for other programs");
+    add_path(command, "FILE", export_.file, ".relume file")->required();
+    add_path(command, "-o,--output", export_.output, "Folder for the results (default: here)");
+    const std::vector<std::string> formats{"mtx", "npz"};
+    add_choice(
+        command, "--matrices", formats, [this, formats](std::size_t k) { export_.matrices = formats[k]; },
+        "Bounce and gather matrix as mtx (Matrix Market) or npz (SciPy)");
+    command.add_flag("--glb", export_.glb, "Geometry with lightmap coordinates and the clusters' albedo");
+    const std::vector<std::string>& views = debug_view_names();
+    add_choice(
+        command, "--debug", views, [this, &views](std::size_t k) { export_.debug.push_back(views[k]); },
+        fmt::format("Picture and .glb of {}", fmt::join(views, ", ")));
+  }
+
+  CommandArguments chosen() const {
+    const std::string name = app_.get_subcommands().front()->get_name();
+    if (name == "precompute") return precompute_;
+    if (name == "info") return info_;
+    if (name == "check") return check_;
+    if (name == "solve") return solve_;
+    if (name == "compare") return compare_;
+    if (name == "factors") return factors_;
+    return export_;
+  }
+
+  CLI::App app_;
+  ConsoleMode mode_;
+  PrecomputeArguments precompute_;
+  InfoArguments info_;
+  CheckArguments check_;
+  SolveArguments solve_;
+  std::optional<std::uint32_t> bounces_;
+  CompareArguments compare_;
+  FactorsArguments factors_;
+  ExportArguments export_;
+};
+
+}  // namespace
+
+Result<std::variant<ParsedArguments, HelpText>> parse_arguments(int count, const char* const* values) {
+  return Parser().parse(count, values);
+}
+
+ConsoleMode console_mode(int count, const char* const* values) {
+  const auto given = [&](std::string_view flag) {
+    return std::find(values, values + count, flag) != values + count;
+  };
+  return {given("--json"), given("--quiet")};
+}
+
+}  // namespace relume

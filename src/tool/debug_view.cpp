@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "tool/debug_view.h"
+
+#include <functional>
+#include <glm/common.hpp>
+
+#include "tool/lightmap_image.h"
+
+namespace relume {
+namespace {
+
+/// Where a lumel stands in the model.
+struct LumelPlace {
+  const System& system;
+  std::size_t system_index;
+  std::size_t lumel;
+  std::size_t row;  ///< of the system's gather matrix
+
+  const Lumel& value() const { return system.lumels[lumel]; }
+  std::uint32_t cluster_index() const { return system.elements[value().element].cluster; }
+  const Cluster& cluster() const { return system.clusters[cluster_index()]; }
+};
+
+using LumelColor = std::function<Rgb(const LumelPlace&)>;
+
+/// Bright colours that differ between neighbouring numbers: hues a golden section apart.
+Rgb color_of_number(std::uint64_t number) {
+  const double hue = 6.0 * glm::fract(0.61803398875 * static_cast<double>(number));
+  const Rgb wheel(glm::abs(hue - 3.0) - 1.0, 2.0 - glm::abs(hue - 2.0), 2.0 - glm::abs(hue - 4.0));
+  const double depth = 0.35 + 0.2 * static_cast<double>(number % 3);
+  return glm::mix(Rgb(0.9), glm::clamp(wheel, Rgb(0.0), Rgb(1.0)), 0.8) * depth;
+}
+
+Rgb heat(double share) {
+  return glm::clamp(Rgb(3.0 * share, 3.0 * share - 1.0, 3.0 * share - 2.0), Rgb(0.0), Rgb(1.0));
+}
+
+Rgb validity_color(const LumelPlace& place) {
+  if (place.value().flags & kLumelInvalid) return {0.8, 0.02, 0.02};
+  if (place.value().flags & kLumelSplit) return {0.9, 0.7, 0.02};
+  return Rgb(0.25);
+}
+
+LumelColor color_of_view(const std::string& view) {
+  if (view == "albedo") {
+    return [](const LumelPlace& p) {
+      return Rgb(p.cluster().albedo[0], p.cluster().albedo[1], p.cluster().albedo[2]);
+    };
+  }
+  if (view == "clusters") return [](const LumelPlace& p) { return color_of_number(p.cluster_index()); };
+  if (view == "materials") return [](const LumelPlace& p) { return color_of_number(p.cluster().material); };
+  if (view == "systems") return [](const LumelPlace& p) { return color_of_number(p.system_index); };
+  return validity_color;
+}
+
+std::vector<double> row_sums(const BlockMatrix& matrix) {
+  const CsrMatrix csr = decode(matrix);
+  std::vector<double> sums(csr.rows, 0.0);
+  for (std::uint32_t row = 0; row < csr.rows; ++row) {
+    for (std::uint64_t k = csr.row_offsets[row]; k < csr.row_offsets[row + 1]; ++k)
+      sums[row] += csr.values[k];
+  }
+  return sums;
+}
+
+ByteImage draw_system(const Model& model, std::size_t s, const std::string& view) {
+  // Invalid lumels are part of the picture here.
+  System system = model.systems[s];
+  std::vector<Rgb> colors;
+  if (view == "row_sum") {
+    const std::vector<double> sums = row_sums(system.gather);
+    for (std::size_t i = 0; i < system.lumels.size(); ++i) colors.push_back(heat(sums[i]));
+  } else {
+    const LumelColor color = color_of_view(view);
+    for (std::size_t i = 0; i < system.lumels.size(); ++i) colors.push_back(color({system, s, i, i}));
+  }
+  for (Lumel& lumel : system.lumels) lumel.flags &= ~std::uint32_t{kLumelInvalid};
+  const ColorImage linear = lightmap_image(system, colors);
+  ByteImage image(linear.width, linear.height);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = srgb_bytes(Rgb(linear.pixels[i]));
+  return image;
+}
+
+}  // namespace
+
+const std::vector<std::string>& debug_view_names() {
+  static const std::vector<std::string> names{"albedo",  "clusters", "materials",
+                                              "row_sum", "systems",  "validity"};
+  return names;
+}
+
+std::vector<ByteImage> draw_debug_view(const Model& model, const std::string& view) {
+  std::vector<ByteImage> images;
+  for (std::size_t s = 0; s < model.systems.size(); ++s) images.push_back(draw_system(model, s, view));
+  return images;
+}
+
+}  // namespace relume

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include "tool/image.h"
+
+#include <stb_image_write.h>
+#include <tinyexr.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+
+namespace relume {
+namespace {
+
+struct FreeMemory {
+  void operator()(unsigned char* memory) const { std::free(memory); }
+};
+
+void append_bytes(void* context, void* data, int size) {
+  auto& bytes = *static_cast<std::vector<std::byte>*>(context);
+  const auto* first = static_cast<const std::byte*>(data);
+  bytes.insert(bytes.end(), first, first + size);
+}
+
+std::uint8_t srgb_byte(double linear) {
+  const double clamped = std::clamp(linear, 0.0, 1.0);
+  const double coded = clamped <= 0.0031308 ? 12.92 * clamped : 1.055 * std::pow(clamped, 1.0 / 2.4) - 0.055;
+  return static_cast<std::uint8_t>(255.0 * coded + 0.5);
+}
+
+/// One plane per channel in the alphabetical order that EXR readers expect: B, G, R.
+std::array<std::vector<float>, 3> planes_bgr(const ColorImage& image) {
+  std::array<std::vector<float>, 3> planes;
+  for (int c = 0; c < 3; ++c) {
+    planes[c].reserve(image.pixels.size());
+    for (const glm::vec3& pixel : image.pixels)
+      planes[c].push_back(std::clamp(pixel[2 - c], 0.0f, kLargestHalf));
+  }
+  return planes;
+}
+
+}  // namespace
+
+ByteColor srgb_bytes(const Rgb& linear) {
+  return {srgb_byte(linear.x), srgb_byte(linear.y), srgb_byte(linear.z)};
+}
+
+Result<std::vector<std::byte>> encode_png(const ByteImage& image) {
+  std::vector<std::byte> bytes;
+  const int width = static_cast<int>(image.width);
+  const int height = static_cast<int>(image.height);
+  if (!stbi_write_png_to_func(append_bytes, &bytes, width, height, 3, image.pixels.data(), 3 * width)) {
+    return fail(ErrorCode::out_of_memory, "A PNG of " + std::to_string(width) + " x " +
+                                              std::to_string(height) +
+                                              " pixels could not be encoded: out of memory.");
+  }
+  return bytes;
+}
+
+Result<std::vector<std::byte>> encode_exr(const ColorImage& image) {
+  std::array<std::vector<float>, 3> planes = planes_bgr(image);
+  std::array<unsigned char*, 3> plane_bytes;
+  std::array<EXRChannelInfo, 3> channels{};
+  for (int c = 0; c < 3; ++c) {
+    plane_bytes[c] = reinterpret_cast<unsigned char*>(planes[c].data());
+    channels[c].name[0] = "BGR"[c];
+  }
+  std::array<int, 3> stored{TINYEXR_PIXELTYPE_FLOAT, TINYEXR_PIXELTYPE_FLOAT, TINYEXR_PIXELTYPE_FLOAT};
+  std::array<int, 3> wanted{TINYEXR_PIXELTYPE_HALF, TINYEXR_PIXELTYPE_HALF, TINYEXR_PIXELTYPE_HALF};
+
+  EXRHeader header;
+  InitEXRHeader(&header);
+  header.num_channels = 3;
+  header.channels = channels.data();
+  header.pixel_types = stored.data();
+  header.requested_pixel_types = wanted.data();
+  header.compression_type = TINYEXR_COMPRESSIONTYPE_ZIP;
+  EXRImage exr;
+  InitEXRImage(&exr);
+  exr.num_channels = 3;
+  exr.images = plane_bytes.data();
+  exr.width = static_cast<int>(image.width);
+  exr.height = static_cast<int>(image.height);
+
+  unsigned char* memory = nullptr;
+  const char* message = nullptr;
+  const std::size_t size = SaveEXRImageToMemory(&exr, &header, &memory, &message);
+  const std::unique_ptr<unsigned char, FreeMemory> owner(memory);
+  if (size == 0) {
+    const std::string reason = message ? message : "no reason given";
+    FreeEXRErrorMessage(message);
+    return fail(ErrorCode::out_of_memory, "An EXR image could not be encoded: " + reason + ".");
+  }
+  std::vector<std::byte> bytes(size);
+  std::memcpy(bytes.data(), memory, size);
+  return bytes;
+}
+
+}  // namespace relume

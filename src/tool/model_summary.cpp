@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "tool/model_summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace relume {
+namespace {
+
+void add(MatrixSummary& total, const MatrixSummary& part) {
+  total.rows += part.rows;
+  total.nonzeros += part.nonzeros;
+  total.bytes += part.bytes;
+  total.max_row_sum = std::max(total.max_row_sum, part.max_row_sum);
+}
+
+JsonObject matrix_json(const MatrixSummary& matrix) {
+  return {{"rows", matrix.rows},
+          {"columns", matrix.columns},
+          {"nonzeros", matrix.nonzeros},
+          {"max_row_sum", matrix.max_row_sum},
+          {"bytes", matrix.bytes}};
+}
+
+JsonObject system_json(const System& system, const MatrixSummary& bounce, const MatrixSummary& gather) {
+  return {{"name", system.name},
+          {"clusters", system.clusters.size()},
+          {"lumels", system.lumels.size()},
+          {"sensors", system.sensors.size()},
+          {"imports", system.imports.size()},
+          {"lightmap", JsonArray{system.lightmap_width, system.lightmap_height}},
+          {"bounce", matrix_json(bounce)},
+          {"gather", matrix_json(gather)}};
+}
+
+std::string matrix_line(const char* name, const MatrixSummary& matrix) {
+  return fmt::format("{} {} x {}, {} form factors, {:.1f} MB, largest row sum {:.6f}", name, matrix.rows,
+                     matrix.columns, matrix.nonzeros, 1e-6 * static_cast<double>(matrix.bytes),
+                     matrix.max_row_sum);
+}
+
+}  // namespace
+
+ModelSummary summarise_model(const Model& model) {
+  ModelSummary summary;
+  summary.geometry_hash = model.geometry_hash;
+  summary.sky_patches = model.sky_cells.size();
+  summary.occluder_triangles = model.occluders.triangles.size();
+  summary.lit_by_rig = model.lit_by_rig;
+  for (const System& system : model.systems) {
+    const MatrixSummary bounce = summarise(system.bounce);
+    const MatrixSummary gather = summarise(system.gather);
+    add(summary.bounce, bounce);
+    add(summary.gather, gather);
+    summary.clusters += system.clusters.size();
+    summary.lumels += system.lumels.size();
+    summary.sensors += system.sensors.size();
+    for (const Cluster& cluster : system.clusters) summary.area += cluster.area;
+    for (const Lumel& lumel : system.lumels) summary.invalid_lumels += (lumel.flags & kLumelInvalid) != 0;
+    summary.systems.push_back(system_json(system, bounce, gather));
+  }
+  summary.bounce.columns = static_cast<std::uint32_t>(summary.clusters + summary.sky_patches);
+  summary.gather.columns = summary.bounce.columns;
+  return summary;
+}
+
+std::vector<std::string> summary_lines(const ModelSummary& summary) {
+  return {
+      fmt::format("{} systems, {} clusters, {} lumels, {} sensors, {} sky patches, {:.6g} m2, {} triangles",
+                  summary.systems.size(), summary.clusters, summary.lumels, summary.sensors,
+                  summary.sky_patches, summary.area, summary.occluder_triangles),
+      matrix_line("bounce", summary.bounce), matrix_line("gather", summary.gather)};
+}
+
+JsonObject summary_json(const ModelSummary& summary, std::uint64_t file_bytes) {
+  return {{"systems", summary.systems.size()},
+          {"clusters", summary.clusters},
+          {"lumels", summary.lumels},
+          {"invalid_lumels", summary.invalid_lumels},
+          {"sensors", summary.sensors},
+          {"probes", 0},
+          {"sky_patches", summary.sky_patches},
+          {"area", summary.area},
+          {"occluder_triangles", summary.occluder_triangles},
+          {"bounce", matrix_json(summary.bounce)},
+          {"gather", matrix_json(summary.gather)},
+          {"file_bytes", file_bytes},
+          {"geometry_hash", fmt::format("{:016x}", summary.geometry_hash)},
+          {"lit_by_rig", summary.lit_by_rig},
+          {"system_list", json_array(summary.systems)}};
+}
+
+std::string rig_sentence(const Model& model) {
+  if (model.sky_radiance) {
+    return fmt::format(
+        "The scene shines with nothing: lit by the stated rig, a sky of {:.0f} cd/m2 and {} lights.",
+        model.sky_radiance->x, model.lights.size());
+  }
+  return fmt::format(
+      "The scene shines with nothing: lit by the stated rig, {} point lights of 1000 cd under the ceilings.",
+      model.lights.size());
+}
+
+}  // namespace relume

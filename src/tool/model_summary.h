@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/model.h"
+#include "tool/json_value.h"
+
+namespace relume {
+
+/// The size of a model; matrices of all systems together.
+struct ModelSummary {
+  std::uint64_t geometry_hash = 0;
+  std::uint64_t clusters = 0;
+  std::uint64_t lumels = 0;
+  std::uint64_t invalid_lumels = 0;
+  std::uint64_t sensors = 0;
+  std::uint64_t sky_patches = 0;
+  std::uint64_t occluder_triangles = 0;
+  double area = 0.0;  ///< m2, of all clusters
+  MatrixSummary bounce;
+  MatrixSummary gather;
+  std::vector<JsonObject>
+      systems;  ///< name, clusters, lumels, sensors, imports, lightmap size, bytes of each
+  bool lit_by_rig = false;
+};
+
+ModelSummary summarise_model(const Model& model);
+
+/// For people.
+std::vector<std::string> summary_lines(const ModelSummary& summary);
+
+/// The members that `info --json` promises: systems, clusters, lumels, sensors, probes, sky_patches, bounce,
+/// gather, file_bytes, geometry_hash.
+JsonObject summary_json(const ModelSummary& summary, std::uint64_t file_bytes);
+
+/// One sentence on the light that the precompute put into a scene that shines with nothing.
+std::string rig_sentence(const Model& model);
+
+}  // namespace relume

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "tool/precompute_command.h"
+
+#include <fmt/format.h>
+
+#include "core/model_file.h"
+#include "scene/load_scene.h"
+#include "tool/interrupt.h"
+#include "tool/model_summary.h"
+#include "tool/sensors_csv.h"
+
+namespace relume {
+namespace {
+
+void say_report(const PrecomputeArguments& arguments, const PrecomputeReport& report, const Model& model,
+                std::uint64_t file_bytes, Console& console) {
+  console.say(fmt::format("{}: {:.1f} MB in {:.1f} s, {:.1f} million rays", arguments.output.string(),
+                          1e-6 * static_cast<double>(file_bytes), report.seconds_total,
+                          1e-6 * static_cast<double>(report.rays + report.occlusion_rays)));
+  for (const std::string& line : summary_lines(summarise_model(model))) console.say("  " + line);
+  console.say(
+      fmt::format("  --texel-size {:.3g} --cluster-size {:.3g} (m)", report.texel_size, report.cluster_size));
+  if (report.invalid_lumels + report.split_lumels > 0) {
+    console.say(fmt::format("  {} lumels inside geometry, {} split by a wall", report.invalid_lumels,
+                            report.split_lumels));
+  }
+}
+
+JsonObject report_json(const PrecomputeArguments& arguments, const PrecomputeReport& report,
+                       const Model& model, std::uint64_t file_bytes) {
+  JsonObject object{{"file", arguments.output}};
+  for (auto& member : summary_json(summarise_model(model), file_bytes)) object.push_back(std::move(member));
+  object.insert(object.end(), {{"texel_size", report.texel_size},
+                               {"cluster_size", report.cluster_size},
+                               {"rays", report.rays},
+                               {"occlusion_rays", report.occlusion_rays},
+                               {"invalid_lumels", report.invalid_lumels},
+                               {"split_lumels", report.split_lumels},
+                               {"seconds", JsonObject{{"surfaces", report.seconds_surfaces},
+                                                      {"rays", report.seconds_rays},
+                                                      {"total", report.seconds_total}}}});
+  return object;
+}
+
+/// A scene that cannot be written later should not be traced first.
+Result<void> check_output(const std::filesystem::path& output) {
+  const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : ".";
+  std::error_code code;
+  if (std::filesystem::is_directory(folder, code) && !std::filesystem::is_directory(output, code)) return {};
+  return fail(ErrorCode::bad_input,
+              fmt::format("{}: expected a file name in an existing folder, found none.", output.string()));
+}
+
+}  // namespace
+
+Result<int> run(const PrecomputeArguments& arguments, Console& console) {
+  if (const Result<void> ready = check_output(arguments.output); !ready) return tl::unexpected(ready.error());
+  PrecomputeOptions options = arguments.options;
+  if (arguments.sensors) {
+    Result<std::vector<SensorPoint>> sensors = read_sensors(*arguments.sensors);
+    if (!sensors) return tl::unexpected(sensors.error());
+    options.sensors = std::move(*sensors);
+  }
+  const Result<Scene> scene = load_scene(arguments.scene);
+  if (!scene) return tl::unexpected(scene.error());
+  for (const std::string& warning : scene->warnings) console.warn(warning);
+
+  PrecomputeReport report;
+  const auto observe = [&](std::string_view stage, double fraction) {
+    console.progress(stage, fraction);
+    return !interrupted();
+  };
+  const Result<Model> model = precompute(*scene, options, report, observe);
+  console.end_progress();
+  if (!model) return tl::unexpected(model.error());
+  for (const std::string& warning : report.warnings) console.warn(warning);
+  if (const Result<void> go_on = check_interrupted(); !go_on) return tl::unexpected(go_on.error());
+  if (const Result<void> written = write_model(*model, arguments.output); !written)
+    return tl::unexpected(written.error());
+
+  const std::uint64_t file_bytes = std::filesystem::file_size(arguments.output);
+  say_report(arguments, report, *model, file_bytes, console);
+  console.finish(report_json(arguments, report, *model, file_bytes));
+  return 0;
+}
+
+}  // namespace relume

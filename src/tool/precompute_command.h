@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "precompute/precompute.h"
+#include "tool/console.h"
+
+namespace relume {
+
+struct PrecomputeArguments {
+  std::filesystem::path scene;
+  std::filesystem::path output;
+  PrecomputeOptions options;  ///< without sensors
+  std::optional<std::filesystem::path> sensors;
+};
+
+/// `relume precompute`. The exit status, or the error that ended it.
+Result<int> run(const PrecomputeArguments& arguments, Console& console);
+
+}  // namespace relume

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+//
+// What a solve says in numbers: clusters.csv, sensors.csv, lightmaps.json.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "core/model.h"
+#include "core/solve.h"
+
+namespace relume {
+
+/// Header id,system,px,py,pz,nx,ny,nz,area, then albedo_, exitance_, direct_ and radiosity_ each with r, g,
+/// b. One line per cluster, numbered through; world space, m2, lm/m2.
+std::string clusters_csv(const Model& model, const Lighting& lighting, std::span<const Rgb> radiosity);
+
+/// Header id,px,py,pz,nx,ny,nz,direct_r,direct_g,direct_b,indirect_r,indirect_g,indirect_b: lux, in the order
+/// of the sensors' own file. Direct is what arrives from punctual lights unreflected, indirect all that
+/// arrives through form factors.
+std::string sensors_csv(const Model& model, std::span<const Rgb> gather_direct,
+                        std::span<const Rgb> gather_indirect);
+
+/// Names of files are unique and hold only letters, digits, '.', '_' and '-'; one per system.
+std::vector<std::string> system_file_names(const Model& model);
+
+/// Where each node's surface lies in the lightmaps: lightmap coordinates (0..1, origin top left) = uv * scale
+/// + offset, uv taken from the node's UV set, or from TEXCOORD_1 of result.glb where `uv_set` is null.
+std::string lightmaps_json(const Model& model);
+
+}  // namespace relume

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#include "tool/solve_command.h"
+
+#include <fmt/format.h>
+
+#include "core/model_file.h"
+#include "tool/solve_outputs.h"
+#include "tool/stopwatch.h"
+
+namespace relume {
+namespace {
+
+void say_result(const SolveArguments& arguments, const SolveOutcome& outcome, const OutputFolder& folder,
+                double seconds, Console& console) {
+  const Solution& solution = outcome.solution;
+  console.say(fmt::format("{} bounces on {} in {:.2f} s in all", solution.bounces, outcome.device, seconds));
+  console.say(fmt::format(
+      "  residual {:.2g}, error bound {:.2g} (rounding {:.2g}), relative to the largest radiosity",
+      solution.relative_residual, solution.error_bound, outcome.rounding_bound));
+  console.say(fmt::format("  wrote {} files into {}", folder.paths().size(), arguments.output.string()));
+  for (const std::filesystem::path& path : folder.paths()) console.say("    " + path.string());
+}
+
+JsonObject result_json(const LightingSetup& setup, const SolveOutcome& outcome, JsonObject seconds,
+                       const OutputFolder& folder) {
+  const Solution& solution = outcome.solution;
+  return {{"device", outcome.device},
+          {"method", "bounces"},
+          {"kernel", outcome.kernel.empty() ? JsonValue() : JsonValue(outcome.kernel)},
+          {"bounces", solution.bounces},
+          {"relative_residual", solution.relative_residual},
+          {"error_bound", solution.error_bound},
+          {"rounding_bound", outcome.rounding_bound},
+          {"lit_by_rig", setup.lit_by_rig},
+          {"seconds", std::move(seconds)},
+          {"files", json_array(folder.paths())}};
+}
+
+}  // namespace
+
+Result<int> run(const SolveArguments& arguments, Console& console) {
+  Stopwatch total;
+  Stopwatch watch;
+  const Result<Model> model = read_model(arguments.file);
+  if (!model) return tl::unexpected(model.error());
+  const double read_seconds = watch.lap();
+  const Result<LightingSetup> setup = set_up_lighting(*model, arguments.lighting, console);
+  if (!setup) return tl::unexpected(setup.error());
+  const double lighting_seconds = watch.lap();
+  const Result<SolveOutcome> outcome =
+      solve(*model, setup->lighting, arguments.rule, arguments.solver, console);
+  if (!outcome) return tl::unexpected(outcome.error());
+
+  watch.lap();
+  OutputFolder folder(arguments.output);
+  const auto made = make_solve_outputs(*model, *setup, outcome->solution, outcome->gathered, folder, console);
+  if (!made) return tl::unexpected(made.error());
+  if (const Result<void> written = folder.write(); !written) return tl::unexpected(written.error());
+
+  JsonObject seconds{{"read", read_seconds}, {"lighting", lighting_seconds}};
+  for (const auto& member : outcome->seconds) seconds.push_back(member);
+  seconds.emplace_back("outputs", watch.lap());
+  const double total_seconds = total.lap();
+  seconds.emplace_back("total", total_seconds);
+  say_result(arguments, *outcome, folder, total_seconds, console);
+  console.finish(result_json(*setup, *outcome, std::move(seconds), folder));
+  return 0;
+}
+
+}  // namespace relume

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#include "tool/solve_outputs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tool/auto_camera.h"
+#include "tool/lightmap_image.h"
+#include "tool/model_glb.h"
+#include "tool/preview.h"
+#include "tool/result_tables.h"
+
+namespace relume {
+namespace {
+
+/// The part of an array over gather rows that belongs to the lumels of system `s`.
+std::span<const Rgb> lumels_of(const Model& model, std::size_t s, std::span<const Rgb> gather_rows) {
+  return gather_rows.subspan(gather_offsets(model)[s], model.systems[s].lumels.size());
+}
+
+Result<void> add_lightmap(const System& system, std::span<const Rgb> lumels, const std::string& name,
+                          OutputFolder& folder, Console& console) {
+  const auto too_bright = std::count_if(lumels.begin(), lumels.end(), [](const Rgb& value) {
+    return std::max({value.x, value.y, value.z}) > double{kLargestHalf};
+  });
+  if (too_bright > 0) {
+    console.warn(fmt::format("{}: {} lumels above {} lux were clamped to what half precision holds.", name,
+                             too_bright, kLargestHalf));
+  }
+  return folder.add(name, encode_exr(lightmap_image(system, lumels)));
+}
+
+Result<void> add_lightmaps(const Model& model, std::span<const Rgb> direct, std::span<const Rgb> indirect,
+                           OutputFolder& folder, Console& console) {
+  const std::vector<std::string> names = system_file_names(model);
+  for (std::size_t s = 0; s < model.systems.size(); ++s) {
+    const System& system = model.systems[s];
+    if (system.lightmap_width == 0) continue;
+    const std::string stem = "lightmaps/" + names[s];
+    const auto first =
+        add_lightmap(system, lumels_of(model, s, direct), stem + ".direct.exr", folder, console);
+    if (!first) return first;
+    const auto second =
+        add_lightmap(system, lumels_of(model, s, indirect), stem + ".indirect.exr", folder, console);
+    if (!second) return second;
+  }
+  folder.add("lightmaps.json", lightmaps_json(model));
+  return {};
+}
+
+/// What each lumel looks like on a screen.
+ByteImage shaded_lightmap(const Model& model, std::size_t s, const Lighting& lighting,
+                          std::span<const Rgb> irradiance, const ToneCurve& curve) {
+  const System& system = model.systems[s];
+  const std::span<const Rgb> lumels = lumels_of(model, s, irradiance);
+  const std::uint32_t first_cluster = cluster_offsets(model)[s];
+  std::vector<Rgb> radiance;
+  for (std::size_t i = 0; i < system.lumels.size(); ++i) {
+    const std::size_t cluster = first_cluster + system.elements[system.lumels[i].element].cluster;
+    radiance.push_back(
+        radiance_from_radiosity(lighting.exitance[cluster] + lighting.albedo[cluster] * lumels[i]));
+  }
+  const ColorImage linear = lightmap_image(system, radiance);
+  ByteImage image(linear.width, linear.height);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    image.pixels[i] = srgb_bytes(tone_mapped(curve, Rgb(linear.pixels[i])));
+  }
+  return image;
+}
+
+Result<void> add_pictures(const Model& model, const LightingSetup& setup, const std::vector<Rgb>& irradiance,
+                          OutputFolder& folder) {
+  const Result<RayCaster> caster = RayCaster::create(model.occluders.positions, model.occluders.triangles);
+  if (!caster) return tl::unexpected(caster.error());
+  const SurfaceShading shading(model, setup.lighting, irradiance);
+  const SolvedScene scene{model, *caster, shading, setup.sky};
+  const Picture preview = render_preview(scene, choose_camera(scene));
+
+  std::vector<ByteImage> textures;
+  for (std::size_t s = 0; s < model.systems.size(); ++s) {
+    textures.push_back(shaded_lightmap(model, s, setup.lighting, irradiance, preview.curve));
+  }
+  if (const auto added = folder.add("result.glb", encode_model_glb(model, textures)); !added) return added;
+  return folder.add("preview.png", encode_png(preview.image));
+}
+
+}  // namespace
+
+Result<void> make_solve_outputs(const Model& model, const LightingSetup& setup, const Solution& solution,
+                                const std::vector<Rgb>& indirect, OutputFolder& folder, Console& console) {
+  const std::vector<Rgb>& direct = setup.gather_direct;
+  if (const auto added = add_lightmaps(model, direct, indirect, folder, console); !added) return added;
+  folder.add("clusters.csv", clusters_csv(model, setup.lighting, solution.radiosity));
+  folder.add("sensors.csv", sensors_csv(model, direct, indirect));
+  std::vector<Rgb> irradiance(direct);
+  for (std::size_t row = 0; row < irradiance.size(); ++row) irradiance[row] += indirect[row];
+  return add_pictures(model, setup, irradiance, folder);
+}
+
+}  // namespace relume

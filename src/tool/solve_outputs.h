@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "core/model.h"
+#include "core/solve.h"
+#include "tool/console.h"
+#include "tool/lighting_setup.h"
+#include "tool/output_folder.h"
+
+namespace relume {
+
+/// Makes everything that `relume solve` leaves behind: lightmaps/SYSTEM.direct.exr and .indirect.exr,
+/// lightmaps.json, clusters.csv, sensors.csv, result.glb, preview.png. `indirect` is the gathered irradiance
+/// per gather row. Warns of values that half precision cannot hold.
+Result<void> make_solve_outputs(const Model& model, const LightingSetup& setup, const Solution& solution,
+                                const std::vector<Rgb>& indirect, OutputFolder& folder, Console& console);
+
+}  // namespace relume

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+//
+// One face for both solvers: the reference and the Vulkan one.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/model.h"
+#include "core/solve.h"
+#include "tool/console.h"
+
+namespace relume {
+
+struct SolverChoice {
+  bool reference = false;   ///< else Vulkan
+  std::string device_name;  ///< part of the name of the Vulkan device, empty: any
+  std::string kernel;       ///< empty: the solver's own choice
+};
+
+struct SolveOutcome {
+  Solution solution;
+  std::vector<Rgb> gathered;    ///< irradiance through form factors per gather row, lux
+  std::string device;           ///< "reference" or the name of the Vulkan device
+  std::string kernel;           ///< empty for the reference
+  double rounding_bound = 0.0;  ///< what rounding can do on top of the error bound, relative to max B
+  JsonObject seconds;           ///< per stage
+};
+
+/// What `--kernel` may name.
+const std::vector<std::string>& kernel_names();
+
+/// Plain bounces, then the gather. There is no way back to the reference when no device is found: that is an
+/// error (no_device).
+Result<SolveOutcome> solve(const Model& model, const Lighting& lighting, const StopRule& rule,
+                           const SolverChoice& choice, Console& console);
+
+}  // namespace relume

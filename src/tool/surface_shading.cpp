@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "tool/surface_shading.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+namespace relume {
+namespace {
+
+template <class Vector>
+Vector interpolated(const Vector& a, const Vector& b, const Vector& c, const glm::vec2& barycentric) {
+  return (1.0f - barycentric.x - barycentric.y) * a + barycentric.x * b + barycentric.y * c;
+}
+
+std::vector<std::uint32_t> lumel_grid(const System& system) {
+  std::vector<std::uint32_t> grid(std::size_t{system.lightmap_width} * system.lightmap_height, kNone);
+  for (std::uint32_t i = 0; i < system.lumels.size(); ++i) {
+    const Lumel& lumel = system.lumels[i];
+    if ((lumel.flags & kLumelInvalid) == 0) grid[std::size_t{lumel.y} * system.lightmap_width + lumel.x] = i;
+  }
+  return grid;
+}
+
+}  // namespace
+
+struct SurfaceShading::Sum {
+  const System& system;
+  const SystemLumels& lumels;
+  Rgb radiance{0.0};
+  double weight = 0.0;
+};
+
+SurfaceShading::SurfaceShading(const Model& model, const Lighting& lighting, std::span<const Rgb> irradiance)
+    : model_(model), lighting_(lighting), irradiance_(irradiance) {
+  const std::vector<std::uint32_t> clusters = cluster_offsets(model);
+  const std::vector<std::uint32_t> rows = gather_offsets(model);
+  for (std::size_t s = 0; s < model.systems.size(); ++s) {
+    systems_.push_back({lumel_grid(model.systems[s]), rows[s], clusters[s]});
+  }
+}
+
+bool hidden_back(const Model& model, const SeenPoint& point) {
+  return point.side == Side::back && !model.materials[model.occluders.material[point.triangle]].double_sided;
+}
+
+Rgb SurfaceShading::radiance(const SeenPoint& point) const {
+  const Occluders& occluders = model_.occluders;
+  const std::uint32_t s = occluders.system[point.triangle];
+  const std::vector<glm::vec2>& uv = point.side == Side::front ? occluders.front_uv : occluders.back_uv;
+  if (s == kNone || hidden_back(model_, point) || uv.empty()) return Rgb(0.0);
+  const std::size_t first = std::size_t{3} * point.triangle;
+  const glm::vec2 texel = interpolated(uv[first], uv[first + 1], uv[first + 2], point.barycentric);
+  Sum sum{model_.systems[s], systems_[s]};
+  // The first reach is bilinear; further ones bridge gaps where lumels are invalid.
+  for (int reach = 1; reach <= 4 && sum.weight <= 0.0; ++reach) add_lumels(point, texel, reach, sum);
+  return sum.weight > 0.0 ? sum.radiance / sum.weight : Rgb(0.0);
+}
+
+void SurfaceShading::add_lumels(const SeenPoint& point, const glm::vec2& texel, int reach, Sum& sum) const {
+  const int width = static_cast<int>(sum.system.lightmap_width);
+  const int height = static_cast<int>(sum.system.lightmap_height);
+  const glm::vec2 place = texel - glm::vec2(0.5f);
+  const int x0 = static_cast<int>(std::floor(place.x)) - (reach - 1);
+  const int y0 = static_cast<int>(std::floor(place.y)) - (reach - 1);
+  for (int y = std::max(y0, 0); y < std::min(y0 + 2 * reach, height); ++y) {
+    for (int x = std::max(x0, 0); x < std::min(x0 + 2 * reach, width); ++x) {
+      const std::uint32_t lumel = sum.lumels.lumel_at[std::size_t(y) * width + x];
+      const float wx = 1.0f - std::abs(place.x - float(x)) / float(reach);
+      const float wy = 1.0f - std::abs(place.y - float(y)) / float(reach);
+      if (lumel != kNone && wx * wy > 0.0f) add_lumel(point, lumel, wx * wy, sum);
+    }
+  }
+}
+
+/// Texels side by side may belong to different charts: those of another node, material, side or direction do
+/// not count.
+void SurfaceShading::add_lumel(const SeenPoint& point, std::uint32_t lumel, float weight, Sum& sum) const {
+  const Occluders& occluders = model_.occluders;
+  const SurfaceElement& element = sum.system.elements[sum.system.lumels[lumel].element];
+  const Cluster& cluster = sum.system.clusters[element.cluster];
+  if (cluster.node != occluders.node[point.triangle] ||
+      cluster.material != occluders.material[point.triangle] || cluster.side != point.side) {
+    return;
+  }
+  const glm::vec3& a = occluder_corner(occluders, point.triangle, 0);
+  const glm::vec3 normal = glm::cross(occluder_corner(occluders, point.triangle, 1) - a,
+                                      occluder_corner(occluders, point.triangle, 2) - a);
+  const float facing = glm::dot(normal, element.normal) * (point.side == Side::front ? 1.0f : -1.0f);
+  if (facing < 0.5f * glm::length(normal)) return;
+  const std::size_t i = sum.lumels.first_cluster + element.cluster;
+  const Rgb& irradiance = irradiance_[sum.lumels.first_row + lumel];
+  const Rgb radiosity = lighting_.exitance[i] + lighting_.albedo[i] * irradiance;
+  sum.radiance += double(weight) * radiance_from_radiosity(radiosity);
+  sum.weight += weight;
+}
+
+}  // namespace relume

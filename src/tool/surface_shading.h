@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <glm/vec2.hpp>
+#include <span>
+#include <vector>
+
+#include "core/model.h"
+#include "core/solve.h"
+
+namespace relume {
+
+/// A point of the occluders and the side from which it is seen.
+struct SeenPoint {
+  std::uint32_t triangle = 0;
+  Side side = Side::front;
+  glm::vec2 barycentric{0.0f};  ///< as SurfacePiece
+};
+
+/// What surfaces look like under a solved lighting. Holds references to model and lighting.
+class SurfaceShading {
+ public:
+  /// `irradiance` is per gather row, direct + indirect, lux.
+  SurfaceShading(const Model& model, const Lighting& lighting, std::span<const Rgb> irradiance);
+
+  /// Radiance (cd/m2): albedo x irradiance / pi + emission, all interpolated bilinearly among the valid
+  /// lumels of the same chart. Black where a surface has no lumels near, and on the back of single-sided
+  /// materials.
+  Rgb radiance(const SeenPoint& point) const;
+
+ private:
+  struct SystemLumels {
+    std::vector<std::uint32_t> lumel_at;  ///< per texel, kNone: none
+    std::uint32_t first_row = 0;          ///< gather row of lumel 0
+    std::uint32_t first_cluster = 0;
+  };
+  struct Sum;
+  void add_lumels(const SeenPoint& point, const glm::vec2& texel, int reach, Sum& sum) const;
+  void add_lumel(const SeenPoint& point, std::uint32_t lumel, float weight, Sum& sum) const;
+
+  const Model& model_;
+  const Lighting& lighting_;
+  std::span<const Rgb> irradiance_;
+  std::vector<SystemLumels> systems_;
+};
+
+/// Whether the point is on the back of a single-sided material, which glTF renderers do not draw.
+bool hidden_back(const Model& model, const SeenPoint& point);
+
+/// Corner k of a triangle of the occluders, relative to Model::origin.
+inline const glm::vec3& occluder_corner(const Occluders& occluders, std::uint32_t triangle, int k) {
+  return occluders.positions[occluders.triangles[triangle][k]];
+}
+
+}  // namespace relume
