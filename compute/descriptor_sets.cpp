@@ -9,11 +9,11 @@
 namespace relume {
 namespace {
 
-/// Ranges of one descriptor set, in the order of its bindings, and where the set goes.
+/// What one descriptor set binds, and where the set goes.
 struct SetPlan {
   std::uint32_t layout = 0;
   VkDescriptorSet* set = nullptr;
-  std::vector<VkDescriptorBufferInfo> bindings;
+  std::vector<VkDescriptorBufferInfo> bindings;  ///< by binding number
 };
 
 VkDescriptorBufferInfo part(const BufferRange& range, VkDeviceSize offset, VkDeviceSize byte_size) {
@@ -25,23 +25,24 @@ VkDescriptorBufferInfo whole(const BufferRange& range) {
 }
 
 SetPlan plan_solve_set(std::span<const BufferRange> ranges, std::uint32_t half_in, VkDescriptorSet& set) {
-  const SolveBuffer in = half_in == 0 ? kRadiosityA : kRadiosityB;
-  const SolveBuffer out = half_in == 0 ? kRadiosityB : kRadiosityA;
-  SetPlan plan{kernels::kSolveSet, &set, {}};
-  for (const SolveBuffer buffer : {in, out, kAlbedo, kExitance, kDirect, kWeights, kResidual}) {
-    plan.bindings.push_back(whole(ranges[buffer]));
-  }
+  SetPlan plan{kernels::kSolveSet, &set, std::vector<VkDescriptorBufferInfo>(kernels::kSolveBindings)};
+  plan.bindings[kernels::kRadiosityInBinding] = whole(ranges[half_in == 0 ? kRadiosityA : kRadiosityB]);
+  plan.bindings[kernels::kRadiosityOutBinding] = whole(ranges[half_in == 0 ? kRadiosityB : kRadiosityA]);
+  plan.bindings[kernels::kAlbedoBinding] = whole(ranges[kAlbedo]);
+  plan.bindings[kernels::kExitanceBinding] = whole(ranges[kExitance]);
+  plan.bindings[kernels::kDirectBinding] = whole(ranges[kDirect]);
+  plan.bindings[kernels::kWeightsBinding] = whole(ranges[kWeights]);
+  plan.bindings[kernels::kResidualBinding] = whole(ranges[kResidual]);
   return plan;
 }
 
 SetPlan plan_system_set(const SystemLayout& system, std::span<const BufferRange> ranges,
-                        std::uint32_t half_out, VkDescriptorSet& set) {
-  const BufferRange& radiosity = ranges[half_out == 0 ? kRadiosityA : kRadiosityB];
-  return {kernels::kSystemSet,
-          &set,
-          {whole(ranges[system.imports_buffer]), whole(ranges[system.local_radiosity_buffer]),
-           part(radiosity, system.first_cluster * kRgbBytes, system.padded_clusters * kRgbBytes),
-           whole(ranges[system.irradiance_buffer])}};
+                        VkDescriptorSet& set) {
+  SetPlan plan{kernels::kSystemSet, &set, std::vector<VkDescriptorBufferInfo>(kernels::kSystemBindings)};
+  plan.bindings[kernels::kImportsBinding] = whole(ranges[system.imports_buffer]);
+  plan.bindings[kernels::kLocalRadiosityBinding] = whole(ranges[system.local_radiosity_buffer]);
+  plan.bindings[kernels::kIrradianceBinding] = whole(ranges[system.irradiance_buffer]);
+  return plan;
 }
 
 void plan_block_sets(const std::vector<BlockLayout>& blocks, std::span<const BufferRange> ranges,
@@ -63,11 +64,9 @@ std::vector<SetPlan> plan_sets(const SolverLayout& layout, std::span<const Buffe
   sets.systems.resize(layout.systems.size());
   for (std::uint32_t half = 0; half < 2; ++half) {
     plans.push_back(plan_solve_set(ranges, half, sets.solve[half]));
-    for (std::size_t i = 0; i < layout.systems.size(); ++i) {
-      plans.push_back(plan_system_set(layout.systems[i], ranges, half, sets.systems[i].system[half]));
-    }
   }
   for (std::size_t i = 0; i < layout.systems.size(); ++i) {
+    plans.push_back(plan_system_set(layout.systems[i], ranges, sets.systems[i].system));
     plan_block_sets(layout.systems[i].bounce, ranges, sets.systems[i].bounce, plans);
     plan_block_sets(layout.systems[i].gather, ranges, sets.systems[i].gather, plans);
   }

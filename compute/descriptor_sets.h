@@ -16,9 +16,9 @@
 namespace relume {
 
 struct SystemSets {
-  std::array<VkDescriptorSet, 2> system{};  ///< by the half that is written
-  std::vector<VkDescriptorSet> bounce;      ///< per block
-  std::vector<VkDescriptorSet> gather;      ///< per block
+  VkDescriptorSet system = VK_NULL_HANDLE;
+  std::vector<VkDescriptorSet> bounce;  ///< per block
+  std::vector<VkDescriptorSet> gather;  ///< per block
 };
 
 struct DescriptorSets {

@@ -234,10 +234,9 @@ std::uint64_t GpuSolver::gather_cost() const {
   return pass_cost(state_->gather);
 }
 
-BufferRange GpuSolver::radiosity(RadiosityHalf half, std::uint32_t system) const {
-  const BufferRange& whole = state_->ranges[half == RadiosityHalf::a ? kRadiosityA : kRadiosityB];
-  const SystemLayout& layout = state_->layout.systems[system];
-  return {whole.buffer, whole.offset + layout.first_cluster * kRgbBytes, layout.clusters * kRgbBytes};
+BufferRange GpuSolver::radiosity(RadiosityHalf half) const {
+  const BufferRange& senders = state_->ranges[half == RadiosityHalf::a ? kRadiosityA : kRadiosityB];
+  return {senders.buffer, senders.offset, state_->layout.clusters * kRgbBytes};
 }
 
 BufferRange GpuSolver::irradiance(std::uint32_t system) const {

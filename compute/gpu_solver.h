@@ -154,8 +154,8 @@ class GpuSolver {
   std::uint64_t bounce_cost() const;
   std::uint64_t gather_cost() const;
 
-  /// Where results are, as four floats per cluster of a system (lm/m2, the last is 0), ...
-  BufferRange radiosity(RadiosityHalf half, std::uint32_t system) const;
+  /// Where results are, as four floats per cluster of all systems (lm/m2, the last is 0), ...
+  BufferRange radiosity(RadiosityHalf half) const;
   /// ... as four floats per gather row of a system (lumels, then sensors; lm/m2), ...
   BufferRange irradiance(std::uint32_t system) const;
   /// ... and as bytes for read_residual.

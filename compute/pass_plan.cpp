@@ -32,11 +32,8 @@ void append_block(Pass& pass, const MatrixBlock& block, DispatchStep step, RowKe
     step.range.count = end - first;
     step.workgroups = (end - first + rows - 1) / rows;
     step.cost = block.tile_offsets[end] - block.tile_offsets[first];
-    // Within a system, dispatches write different rows of one bound range; validation takes that for a
-    // hazard, and a barrier between two long dispatches costs little. Systems have ranges of their own and
-    // need none.
-    step.barrier_before = !pass.empty() && (pass.back().kernel == StepKernel::import_radiosity ||
-                                            pass.back().system == step.system);
+    // Rows read what imports wrote, and each writes a place of its own.
+    step.barrier_before = !pass.empty() && pass.back().kernel == StepKernel::import_radiosity;
     pass.push_back(step);
     first = end;
   }

@@ -26,11 +26,13 @@ void add_blocks(UploadData& data, const BlockMatrix& matrix, const std::vector<B
   for (std::size_t i = 0; i < matrix.blocks.size(); ++i) {
     const MatrixBlock& block = matrix.blocks[i];
     const BlockLayout& layout = layouts[i];
-    const std::span<const std::byte> sections[] = {bytes_of(block.tile_offsets), bytes_of(block.columns),
-                                                   bytes_of(block.values), bytes_of(block.row_scales)};
-    for (std::size_t s = 0; s < layout.sections.size(); ++s) {
-      data.pieces.push_back({layout.buffer, layout.sections[s].offset, sections[s]});
-    }
+    const auto add = [&](std::uint32_t binding, std::span<const std::byte> bytes) {
+      data.pieces.push_back({layout.buffer, layout.sections[binding].offset, bytes});
+    };
+    add(kernels::kTileOffsetsBinding, bytes_of(block.tile_offsets));
+    add(kernels::kColumnsBinding, bytes_of(block.columns));
+    add(kernels::kValuesBinding, bytes_of(block.values));
+    add(kernels::kRowScalesBinding, bytes_of(block.row_scales));
   }
 }
 
@@ -38,17 +40,10 @@ kernels::vec4 to_device(const Rgb& value) {
   return {static_cast<float>(value.x), static_cast<float>(value.y), static_cast<float>(value.z), 0.0f};
 }
 
-/// One quantity of all clusters, numbered through, as it lies among padded clusters.
-std::vector<std::byte> padded(const std::vector<Rgb>& values, const SolverLayout& layout,
-                              const Rgb& padding) {
-  std::vector<kernels::vec4> out(layout.padded_clusters, to_device(padding));
-  std::size_t next = 0;
-  for (const SystemLayout& system : layout.systems) {
-    for (std::uint32_t i = 0; i < system.clusters; ++i) {
-      out[system.first_cluster + i] = to_device(values[next++]);
-    }
-  }
-  return owned_bytes(out);
+std::vector<std::byte> device_bytes(const std::vector<Rgb>& values) {
+  std::vector<kernels::vec4> converted;
+  for (const Rgb& value : values) converted.push_back(to_device(value));
+  return owned_bytes(converted);
 }
 
 }  // namespace
@@ -68,17 +63,15 @@ UploadData model_upload(const Model& model, const SolverLayout& layout) {
 
 UploadData lighting_upload(const Lighting& lighting, const std::vector<Rgb>& weights,
                            const SolverLayout& layout) {
-  std::vector<kernels::vec4> sky;
-  for (const Rgb& radiosity : lighting.sky_radiosity) sky.push_back(to_device(radiosity));
   const std::vector<Rgb> ones(weights.empty() ? lighting.albedo.size() : 0, Rgb(1.0));
-
+  const VkDeviceSize sky = layout.clusters * kRgbBytes;
   UploadData data;
-  data.add_owned(kAlbedo, 0, padded(lighting.albedo, layout, Rgb(0.0)));
-  data.add_owned(kExitance, 0, padded(lighting.exitance, layout, Rgb(0.0)));
-  data.add_owned(kDirect, 0, padded(lighting.direct, layout, Rgb(0.0)));
-  data.add_owned(kWeights, 0, padded(weights.empty() ? ones : weights, layout, Rgb(1.0)));
-  data.add_owned(kRadiosityA, layout.padded_clusters * kRgbBytes, owned_bytes(sky));
-  data.add_owned(kRadiosityB, layout.padded_clusters * kRgbBytes, owned_bytes(sky));
+  data.add_owned(kAlbedo, 0, device_bytes(lighting.albedo));
+  data.add_owned(kExitance, 0, device_bytes(lighting.exitance));
+  data.add_owned(kDirect, 0, device_bytes(lighting.direct));
+  data.add_owned(kWeights, 0, device_bytes(weights.empty() ? ones : weights));
+  data.add_owned(kRadiosityA, sky, device_bytes(lighting.sky_radiosity));
+  data.add_owned(kRadiosityB, sky, device_bytes(lighting.sky_radiosity));
   return data;
 }
 

@@ -35,10 +35,12 @@ class BufferList {
 
 BlockLayout block_layout(const MatrixBlock& block, const std::string& name, VkDeviceSize alignment,
                          BufferList& buffers) {
-  const std::array<VkDeviceSize, 4> bytes = {block.tile_offsets.size() * sizeof(std::uint32_t),
-                                             align_up(block.columns.size() * sizeof(std::uint16_t), 4),
-                                             align_up(block.values.size(), 4),
-                                             block.row_scales.size() * sizeof(float)};
+  std::array<VkDeviceSize, kernels::kBlockBindings> bytes{};
+  bytes[kernels::kTileOffsetsBinding] = block.tile_offsets.size() * sizeof(std::uint32_t);
+  bytes[kernels::kColumnsBinding] =
+      align_up(block.columns.size() * sizeof(std::uint16_t), sizeof(std::uint32_t));
+  bytes[kernels::kValuesBinding] = align_up(block.values.size(), sizeof(std::uint32_t));
+  bytes[kernels::kRowScalesBinding] = block.row_scales.size() * sizeof(float);
   BlockLayout layout;
   VkDeviceSize end = 0;
   for (std::size_t i = 0; i < bytes.size(); ++i) {
@@ -59,16 +61,9 @@ std::vector<BlockLayout> matrix_layout(const BlockMatrix& matrix, const std::str
   return blocks;
 }
 
-std::uint32_t padded_clusters(const System& system, VkDeviceSize alignment) {
-  const VkDeviceSize clusters = std::max<VkDeviceSize>(system.clusters.size(), 1);
-  return static_cast<std::uint32_t>(align_up(clusters, std::max<VkDeviceSize>(alignment / kRgbBytes, 1)));
-}
-
 SystemLayout system_layout(const System& system, const std::string& name, VkDeviceSize alignment,
                            BufferList& buffers) {
   SystemLayout layout;
-  layout.clusters = static_cast<std::uint32_t>(system.clusters.size());
-  layout.padded_clusters = padded_clusters(system, alignment);
   layout.imports = static_cast<std::uint32_t>(system.imports.size());
   layout.gather_rows = system.gather.rows;
   layout.imports_buffer = buffers.add(name + " imports", layout.imports * sizeof(std::uint32_t));
@@ -81,7 +76,7 @@ SystemLayout system_layout(const System& system, const std::string& name, VkDevi
 
 /// In the order of SolveBuffer.
 void add_solve_buffers(const SolverLayout& layout, BufferList& buffers) {
-  const VkDeviceSize cluster_bytes = layout.padded_clusters * kRgbBytes;
+  const VkDeviceSize cluster_bytes = layout.clusters * kRgbBytes;
   const VkDeviceSize sender_bytes = cluster_bytes + layout.sky_patches * kRgbBytes;
   buffers.add("radiosity a", sender_bytes);
   buffers.add("radiosity b", sender_bytes);
@@ -137,16 +132,15 @@ Result<SolverLayout> solver_layout(const Model& model, const LayoutLimits& limit
   if (auto checked = check_formats(model); !checked) return tl::unexpected<Error>(checked.error());
   SolverLayout layout;
   layout.sky_patches = static_cast<std::uint32_t>(model.sky_cells.size());
-  for (const System& system : model.systems)
-    layout.padded_clusters += padded_clusters(system, limits.alignment);
+  const std::vector<std::uint32_t> first_clusters = cluster_offsets(model);
+  layout.clusters = first_clusters.back();
   BufferList buffers(layout.buffers, limits.alignment);
   add_solve_buffers(layout, buffers);
-  std::uint32_t first_cluster = 0;
   for (const System& system : model.systems) {
-    const std::string name = "system " + std::to_string(layout.systems.size());
-    layout.systems.push_back(system_layout(system, name, limits.alignment, buffers));
-    layout.systems.back().first_cluster =
-        std::exchange(first_cluster, first_cluster + layout.systems.back().padded_clusters);
+    const std::size_t index = layout.systems.size();
+    layout.systems.push_back(
+        system_layout(system, "system " + std::to_string(index), limits.alignment, buffers));
+    layout.systems.back().first_cluster = first_clusters[index];
   }
   if (auto checked = check_sizes(layout, limits.max_range); !checked) {
     return tl::unexpected<Error>(checked.error());
@@ -155,7 +149,7 @@ Result<SolverLayout> solver_layout(const Model& model, const LayoutLimits& limit
 }
 
 std::uint32_t sender_number(const SolverLayout& layout, const SenderRef& sender) {
-  if (sender.system == kSkySystem) return layout.padded_clusters + sender.index;
+  if (sender.system == kSkySystem) return layout.clusters + sender.index;
   return layout.systems[sender.system].first_cluster + sender.index;
 }
 

@@ -14,6 +14,7 @@
 #include "compute/host_device.h"
 #include "core/model.h"
 #include "core/result.h"
+#include "kernels/shared/bindings.h"
 
 namespace relume {
 
@@ -45,13 +46,11 @@ struct Section {
 /// kernels/shared/bindings.h.
 struct BlockLayout {
   std::uint32_t buffer = 0;
-  std::array<Section, 4> sections;
+  std::array<Section, kernels::kBlockBindings> sections;
 };
 
 struct SystemLayout {
-  std::uint32_t first_cluster = 0;  ///< among padded clusters; its byte offset is aligned
-  std::uint32_t clusters = 0;
-  std::uint32_t padded_clusters = 0;
+  std::uint32_t first_cluster = 0;  ///< among the clusters of all systems
   std::uint32_t imports = 0;
   std::uint32_t gather_rows = 0;
   std::uint32_t imports_buffer = 0;
@@ -62,8 +61,7 @@ struct SystemLayout {
 };
 
 struct SolverLayout {
-  std::uint32_t padded_clusters =
-      0;  ///< of all systems; also the number of the first sky patch among senders
+  std::uint32_t clusters = 0;  ///< of all systems; also the number of the first sky patch among senders
   std::uint32_t sky_patches = 0;
   std::vector<BufferRequirement> buffers;
   std::vector<SystemLayout> systems;

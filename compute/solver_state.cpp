@@ -21,7 +21,7 @@ void record_step(const SolverState& state, VkCommandBuffer commands, const Dispa
   const SystemSets& system = state.sets.systems[step.system];
   std::array<VkDescriptorSet, kernels::kSets> sets{};
   sets[kernels::kSolveSet] = state.sets.solve[index_of(from)];
-  sets[kernels::kSystemSet] = system.system[index_of(other_half(from))];
+  sets[kernels::kSystemSet] = system.system;
   std::uint32_t set_count = kernels::kBlockSet;
   if (step.kernel != StepKernel::import_radiosity) {
     sets[kernels::kBlockSet] =
@@ -47,7 +47,7 @@ void record_solve_kernel(const SolverState& state, VkCommandBuffer commands, Ker
                               state.pipelines.get(kernel, ValueCodec::f32));
   functions.cmd_bind_descriptor_sets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, state.pipelines.layout(),
                                      kernels::kSolveSet, 1, &state.sets.solve[index_of(half_in)], 0, nullptr);
-  const kernels::Range range{0, state.layout.padded_clusters, 0, 0};
+  const kernels::Range range{0, state.layout.clusters, 0, 0};
   functions.cmd_push_constants(commands, state.pipelines.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
                                sizeof range, &range);
   functions.cmd_dispatch(commands, workgroup_count(range.count), 1, 1);

@@ -27,7 +27,7 @@ struct SolverState {
   DescriptorSets sets;
 };
 
-/// A kernel that works on all padded clusters and the set of the whole solve. No barriers.
+/// A kernel that works on all clusters and the set of the whole solve. No barriers.
 void record_solve_kernel(const SolverState& state, VkCommandBuffer commands, KernelId kernel,
                          RadiosityHalf half_in);
 

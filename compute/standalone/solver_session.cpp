@@ -135,10 +135,8 @@ Result<std::vector<Rgb>> SolverSession::read_previous_radiosity() {
 
 Result<std::vector<Rgb>> SolverSession::read_radiosity(RadiosityHalf half) {
   std::vector<Rgb> values;
-  for (std::uint32_t system = 0; system < systems_; ++system) {
-    auto read = append_rgb(solver_.radiosity(half, system), values);
-    if (!read) return tl::unexpected<Error>(read.error());
-  }
+  if (auto read = append_rgb(solver_.radiosity(half), values); !read)
+    return tl::unexpected<Error>(read.error());
   return values;
 }
 

@@ -7,13 +7,13 @@
 #include "lighting.glsl"
 #include "range.glsl"
 
-layout(set = kSystemSet, binding = kSystemRadiosityBinding, std430) writeonly restrict buffer SystemRadiosity {
-  vec4 system_radiosity[];
+layout(set = kSolveSet, binding = kRadiosityOutBinding, std430) writeonly restrict buffer RadiosityOut {
+  vec4 radiosity_out[];
 };
 
 void finish_row(uint row, vec3 irradiance) {
-  const uint system_row = range.block_row + row;
-  system_radiosity[system_row] = vec4(reflect_and_emit(range.first_cluster + system_row, irradiance), 0.0);
+  const uint cluster = range.first_cluster + range.block_row + row;
+  radiosity_out[cluster] = vec4(reflect_and_emit(cluster, irradiance), 0.0);
 }
 
 #endif

@@ -10,7 +10,7 @@ layout(set = kSolveSet, binding = kExitanceBinding, std430) readonly restrict bu
 };
 layout(set = kSolveSet, binding = kDirectBinding, std430) readonly restrict buffer Direct { vec4 direct[]; };
 
-/// B = M + albedo (H + I) of a padded cluster.
+/// B = M + albedo (H + I) of a cluster.
 vec3 reflect_and_emit(uint cluster, vec3 irradiance) {
   precise vec3 arriving = direct[cluster].rgb + irradiance;
   precise vec3 reflected = albedo[cluster].rgb * arriving;

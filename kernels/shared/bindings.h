@@ -2,8 +2,7 @@
 //
 // Descriptor sets, bindings and specialization constants. All kernels share one pipeline layout; every binding is a storage buffer.
 //
-// Senders have one number on the device: the clusters of all systems, each system's padded to a whole number of offset alignments so that
-// its part of a buffer can be bound on its own, then the sky patches. Padding has albedo, exitance and direct 0 and weight 1.
+// Senders are numbered through: the clusters of all systems, system by system, then the sky patches.
 #ifndef RELUME_KERNELS_BINDINGS_H
 #define RELUME_KERNELS_BINDINGS_H
 
@@ -15,20 +14,19 @@ RELUME_SHARED_BEGIN
 const uint kSolveSet = 0u;
 const uint kRadiosityInBinding = 0u;   // vec4 per sender: b, lm/m2 in rgb
 const uint kRadiosityOutBinding = 1u;  // vec4 per sender
-const uint kAlbedoBinding = 2u;        // vec4 per padded cluster
-const uint kExitanceBinding = 3u;      // vec4 per padded cluster, lm/m2
-const uint kDirectBinding = 4u;        // vec4 per padded cluster: H, lm/m2
-const uint kWeightsBinding = 5u;       // vec4 per padded cluster: v of the contraction bound, > 0
+const uint kAlbedoBinding = 2u;        // vec4 per cluster
+const uint kExitanceBinding = 3u;      // vec4 per cluster, lm/m2
+const uint kDirectBinding = 4u;        // vec4 per cluster: H, lm/m2
+const uint kWeightsBinding = 5u;       // vec4 per cluster: v of the contraction bound, > 0
 const uint kResidualBinding = 6u;      // one ResidualRecord
 const uint kSolveBindings = 7u;
 
-/// Set of one system. There are two, for the halves that its radiosity is written to.
+/// Set of one system.
 const uint kSystemSet = 1u;
 const uint kImportsBinding = 0u;         // uint per import: number of the sender
 const uint kLocalRadiosityBinding = 1u;  // vec4 per import: b of the sender
-const uint kSystemRadiosityBinding = 2u; // vec4 per cluster of the system: its part of the radiosity that is written
-const uint kIrradianceBinding = 3u;      // vec4 per gather row of the system: I, lm/m2
-const uint kSystemBindings = 4u;
+const uint kIrradianceBinding = 2u;      // vec4 per gather row of the system: I, lm/m2
+const uint kSystemBindings = 3u;
 
 /// Set of one block of a bounce or gather matrix, in the format of core/block_matrix.h with tiles of one row.
 const uint kBlockSet = 2u;

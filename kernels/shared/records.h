@@ -11,9 +11,9 @@ RELUME_SHARED_BEGIN
 /// Push constants of every kernel. Row kernels do rows [first_row, first_row + count) of a block; the others do elements [0, count).
 struct Range {
   uint first_row;      // in the block
-  uint count;          // rows, imports or padded clusters
+  uint count;          // rows, imports or clusters
   uint block_row;      // row of the system's matrix that is row 0 of the block
-  uint first_cluster;  // number of the system's cluster 0 among padded clusters
+  uint first_cluster;  // number of the system's cluster 0
   // ---- 16 bytes
 };
 

@@ -43,10 +43,9 @@ class Guest {
   DeviceSolution results(std::uint32_t bounces, RadiosityHalf half) const {
     DeviceSolution out;
     out.solution.bounces = bounces;
+    out.solution.radiosity = memory_.read_rgb(solver_->radiosity(half));
     for (std::uint32_t system = 0; system < model_.systems.size(); ++system) {
-      const std::vector<Rgb> radiosity = memory_.read_rgb(solver_->radiosity(half, system));
       const std::vector<Rgb> irradiance = memory_.read_rgb(solver_->irradiance(system));
-      out.solution.radiosity.insert(out.solution.radiosity.end(), radiosity.begin(), radiosity.end());
       out.irradiance.insert(out.irradiance.end(), irradiance.begin(), irradiance.end());
     }
     return out;
