@@ -15,7 +15,8 @@ SurfacePoint lift_sensor(const Geometry& geometry, const RayCaster& caster, cons
   const glm::vec3 from = at + up * reach;
   packet.origin_x[0] = from.x, packet.origin_y[0] = from.y, packet.origin_z[0] = from.z;
   packet.direction_x.fill(-up.x), packet.direction_y.fill(-up.y), packet.direction_z.fill(-up.z);
-  packet.far[0] = reach;
+  // A little further than the sensor: rounding may put the surface that it lies on behind it.
+  packet.far[0] = reach + 2.0f * geometry.offset;
   caster.closest_hits(packet);
   if (packet.triangle[0] == kNoTriangle) return {at, up};
   return {from - up * packet.far[0] + up * geometry.offset, up};
