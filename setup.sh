@@ -49,7 +49,7 @@ build() {
 }
 
 demo() {
-  build relume relume-make-scene
+  build relume relume_make_scene
   local relume=build/release/src/tool/relume make_scene=build/release/src/scene/relume-make-scene
   mkdir -p demo
   "$make_scene" demo -o demo/room.glb

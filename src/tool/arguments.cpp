@@ -31,59 +31,60 @@ std::optional<double> parse_share(const std::string& text) {
   return percent ? std::optional(*percent / 100.0) : std::nullopt;
 }
 
-/// An option that takes one number; `accepts` says which, `expected` in words.
-template <class Target, class Parse>
-CLI::Option* add_number(CLI::App& app, const std::string& name, Target& target, Parse parse,
-                        std::function<bool(double)> accepts, const std::string& expected,
-                        const std::string& help) {
-  const auto take = [name, &target, parse, accepts, expected](const std::string& text) {
-    const std::optional<double> number = parse(text);
-    if (!number || !accepts(*number)) {
-      throw CLI::ValidationError(name, fmt::format("expected {}, found '{}'", expected, text));
-    }
-    target = Target(*number);
-  };
-  return app.add_option_function<std::string>(name, take, help)->type_name("");
-}
+/// Which numbers an option takes, and how it calls them.
+struct NumberKind {
+  const char* metavar;
+  std::optional<double> (*parse)(const std::string&);
+  double least;
+  double most;
+  bool whole;
+  const char* expected;
 
-bool is_positive(double number) {
-  return number > 0.0;
-}
-bool is_albedo_limit(double number) {
-  return number > 0.0 && number <= 0.9999;
-}
+  bool accepts(double number) const {
+    return number >= least && number <= most && (!whole || number == std::floor(number));
+  }
+};
 
-bool is_count(double number, double least) {
-  return number >= least && number <= 4294967295.0 && number == std::floor(number);
+constexpr double kTiny = 1e-30;
+constexpr double kLargestCount = 4294967295.0;
+constexpr NumberKind kLength{"M", parse_number, kTiny, 1e12, false, "a length above 0 in metres"};
+constexpr NumberKind kShare{"E", parse_share, kTiny, 1e12, false, "a relative error above 0, as 0.01 or 1%"};
+constexpr NumberKind kAlbedo{"A", parse_number, kTiny, 0.9999, false, "a number above 0, at most 0.9999"};
+constexpr NumberKind kCount{"N", parse_number, 1.0, kLargestCount, true, "a whole number of at least 1"};
+constexpr NumberKind kCountOrZero{"N",           parse_number, 0.0,
+                                  kLargestCount, true,         "a whole number of at least 0"};
+
+using Take = std::function<void(const std::string&)>;
+
+CLI::Option* add_text(CLI::App& app, const std::string& name, const std::string& metavar, const Take& take,
+                      const std::string& help) {
+  return app.add_option_function<std::string>(name, take, help)->type_name(metavar);
 }
 
 template <class Target>
-CLI::Option* add_count(CLI::App& app, const std::string& name, Target& target, double least,
-                       const std::string& help) {
-  return add_number(
-      app, name, target, parse_number, [least](double number) { return is_count(number, least); },
-      fmt::format("a whole number of at least {}", least), help);
+CLI::Option* add_number(CLI::App& app, const std::string& name, Target& target, const NumberKind& kind,
+                        const std::string& help) {
+  const auto take = [name, &target, &kind](const std::string& text) {
+    const std::optional<double> number = kind.parse(text);
+    if (!number || !kind.accepts(*number)) {
+      throw CLI::ValidationError(name, fmt::format("expected {}, found '{}'", kind.expected, text));
+    }
+    target = Target(*number);
+  };
+  return add_text(app, name, kind.metavar, take, help);
 }
 
-CLI::Option* add_path(CLI::App& app, const std::string& name, std::filesystem::path& path,
+/// `Path` is a path or an optional one.
+template <class Path>
+CLI::Option* add_path(CLI::App& app, const std::string& name, const std::string& metavar, Path& path,
                       const std::string& help) {
-  return app
-      .add_option_function<std::string>(
-          name, [&path](const std::string& text) { path = text; }, help)
-      ->type_name("");
-}
-
-CLI::Option* add_path(CLI::App& app, const std::string& name, std::optional<std::filesystem::path>& path,
-                      const std::string& help) {
-  return app
-      .add_option_function<std::string>(
-          name, [&path](const std::string& text) { path = text; }, help)
-      ->type_name("");
+  return add_text(
+      app, name, metavar, [&path](const std::string& text) { path = std::filesystem::path(text); }, help);
 }
 
 /// One of several words; `take` gets the index of the word.
 CLI::Option* add_choice(CLI::App& app, const std::string& name, const std::vector<std::string>& words,
-                        std::function<void(std::size_t)> take, const std::string& help) {
+                        const std::function<void(std::size_t)>& take, const std::string& help) {
   const auto choose = [name, words, take](const std::string& text) {
     const auto word = std::find(words.begin(), words.end(), text);
     if (word == words.end()) {
@@ -92,36 +93,32 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, const std::vecto
     }
     take(static_cast<std::size_t>(word - words.begin()));
   };
-  return app.add_option_function<std::string>(name, choose, help)->type_name("");
+  return add_text(app, name, fmt::format("{}", fmt::join(words, "|")), choose, help);
 }
 
 void add_lighting(CLI::App& app, LightingOptions& lighting) {
-  add_path(app, "--scene", lighting.scene, "Edited copy of the scene: its colours, emission and lights");
-  add_path(app, "--lights", lighting.lights, "JSON that replaces all punctual lights");
-  add_path(app, "--materials", lighting.materials, "JSON that replaces albedo and emission by material name");
-  app.add_option_function<std::string>(
-         "--sky", [&lighting](const std::string& text) { lighting.sky = text; },
-         "R,G,B in cd/m2, or an equirectangular .hdr")
-      ->type_name("");
-  add_number(app, "--max-albedo", lighting.max_albedo, parse_number, is_albedo_limit,
-             "a number above 0, at most 0.9999", "Albedos above are clamped (default: as precomputed)");
+  add_path(app, "--scene", "GLTF", lighting.scene,
+           "Edited copy of the scene: its colours, emission and lights");
+  add_path(app, "--lights", "JSON", lighting.lights, "Replaces all punctual lights");
+  add_path(app, "--materials", "JSON", lighting.materials, "Replaces albedo and emission by material name");
+  add_text(
+      app, "--sky", "R,G,B|HDR", [&lighting](const std::string& text) { lighting.sky = text; },
+      "Radiance in cd/m2, or an equirectangular image");
+  add_number(app, "--max-albedo", lighting.max_albedo, kAlbedo,
+             "Albedos above are clamped (default: as precomputed)");
 }
 
-CLI::Option* add_device(CLI::App& app, SolverChoice& solver, bool reference_allowed) {
-  const auto take = [&solver, reference_allowed](const std::string& text) {
+void add_device(CLI::App& app, SolverChoice& solver, bool reference_allowed) {
+  const std::string choices = reference_allowed ? "reference|vulkan[:NAME]" : "vulkan[:NAME]";
+  const auto take = [&solver, reference_allowed, choices](const std::string& text) {
     const bool named = text.starts_with("vulkan:") && text.size() > 7;
     if (text != "vulkan" && !named && !(reference_allowed && text == "reference")) {
-      throw CLI::ValidationError("--device", fmt::format("expected {}vulkan or vulkan:NAME, found '{}'",
-                                                         reference_allowed ? "reference, " : "", text));
+      throw CLI::ValidationError("--device", fmt::format("expected {}, found '{}'", choices, text));
     }
     solver.reference = text == "reference";
     solver.device_name = named ? text.substr(7) : "";
   };
-  return app
-      .add_option_function<std::string>(
-          "--device", take,
-          reference_allowed ? "reference, vulkan (default) or vulkan:NAME" : "vulkan or vulkan:NAME")
-      ->type_name("");
+  add_text(app, "--device", choices, take, "Default: vulkan, the fastest device there is");
 }
 
 void add_solver(CLI::App& app, SolverChoice& solver, bool reference_allowed) {
@@ -129,7 +126,7 @@ void add_solver(CLI::App& app, SolverChoice& solver, bool reference_allowed) {
   const std::vector<std::string>& kernels = kernel_names();
   add_choice(
       app, "--kernel", kernels, [&solver, &kernels](std::size_t k) { solver.kernel = kernels[k]; },
-      fmt::format("{} (default: the faster one)", fmt::join(kernels, " or ")));
+      "Default: what suits the device; results are the same");
 }
 
 class Parser {
@@ -147,6 +144,10 @@ class Parser {
   }
 
   Result<std::variant<ParsedArguments, HelpText>> parse(int count, const char* const* values) {
+    const auto is_first_word = [&](const CLI::App* command) { return command->get_name() == values[1]; };
+    if (count > 1 && values[1][0] != '-' && app_.get_subcommands(is_first_word).empty()) {
+      return fail(ErrorCode::usage, fmt::format("'{}' is not a command; see relume --help.", values[1]));
+    }
     try {
       app_.parse(count, values);
     } catch (const CLI::CallForHelp&) {
@@ -176,89 +177,85 @@ class Parser {
   void add_precompute() {
     CLI::App& command = add_command("precompute", "Trace a scene once: clusters, lumels and form factors");
     PrecomputeOptions& options = precompute_.options;
-    add_path(command, "SCENE", precompute_.scene, "glTF scene (.gltf, .glb)")->required();
-    add_path(command, "-o,--output", precompute_.output, "The .relume file to write")->required();
-    add_count(command, "--quality", options.quality, 1, "Rays per lumel (default 512)");
-    add_count(command, "--sensor-quality", options.sensor_quality, 1,
-              "Rays per sensor (default 16 x quality, at least 4096)");
-    add_length(command, "--cluster-size", options.cluster_size, "m (default: about 4 k clusters)");
-    add_length(command, "--texel-size", options.texel_size, "m (default: about 40 k lumels)");
-    add_path(command, "--sensors", precompute_.sensors, "CSV with header id,px,py,pz,nx,ny,nz");
+    add_path(command, "SCENE", "", precompute_.scene, "glTF scene (.gltf, .glb)")->required();
+    add_path(command, "-o,--output", "FILE", precompute_.output, "The .relume file to write")->required();
+    add_number(command, "--quality", options.quality, kCount, "Rays per lumel (default 512)");
+    add_number(command, "--sensor-quality", options.sensor_quality, kCount,
+               "Rays per sensor (default 16 x quality, at least 4096)");
+    add_number(command, "--cluster-size", options.cluster_size, kLength, "Default: about 4 k clusters");
+    add_number(command, "--texel-size", options.texel_size, kLength, "Default: about 40 k lumels");
+    add_path(command, "--sensors", "CSV", precompute_.sensors, "Header id,px,py,pz,nx,ny,nz");
     add_choice(
         command, "--codec", {"f32", "unorm16"},
         [&options](std::size_t k) { options.codec = static_cast<ValueCodec>(k); },
-        "f32 (default) or unorm16: how form factors are stored");
-    add_number(command, "--max-albedo", options.max_albedo, parse_number, is_albedo_limit,
-               "a number above 0, at most 0.9999", "Albedos above are clamped (default 0.95)");
-    add_count(command, "--threads", options.threads, 1, "Default: all");
-    add_count(command, "--seed", options.seed, 0, "Default 0");
-  }
-
-  static void add_length(CLI::App& command, const std::string& name, double& length,
-                         const std::string& help) {
-    add_number(command, name, length, parse_number, is_positive, "a length above 0 in metres", help);
+        "How form factors are stored (default f32)");
+    add_number(command, "--max-albedo", options.max_albedo, kAlbedo,
+               "Albedos above are clamped (default 0.95)");
+    add_number(command, "--threads", options.threads, kCount, "Default: all");
+    add_number(command, "--seed", options.seed, kCountOrZero, "Default 0");
   }
 
   void add_info_and_check() {
-    add_path(add_command("info", "What is in a .relume file"), "FILE", info_.file, ".relume file")
+    add_path(add_command("info", "What is in a .relume file"), "FILE", "", info_.file, ".relume file")
         ->required();
-    add_path(add_command("check", "Verify a .relume file"), "FILE", check_.file, ".relume file")->required();
+    add_path(add_command("check", "Verify a .relume file"), "FILE", "", check_.file, ".relume file")
+        ->required();
   }
 
   void add_solve() {
     CLI::App& command = add_command("solve", "Relight: lightmaps, tables and pictures");
-    add_path(command, "FILE", solve_.file, ".relume file")->required();
-    add_path(command, "-o,--output", solve_.output, "Folder for the results")->required();
+    add_path(command, "FILE", "", solve_.file, ".relume file")->required();
+    add_path(command, "-o,--output", "DIR", solve_.output, "Folder for the results")->required();
     add_lighting(command, solve_.lighting);
     add_solver(command, solve_.solver, true);
     add_choice(
-        command, "--method", {"bounces"}, [](std::size_t) {}, "bounces (default)");
-    CLI::Option* bounces = add_count(command, "--bounces", bounces_, 0, "Exactly this many bounces");
-    CLI::Option* tolerance =
-        add_number(command, "--tolerance", solve_.rule.tolerance, parse_share, is_positive,
-                   "a relative error above 0", "Stop at this relative error (default 1e-4)");
+        command, "--method", {"bounces"}, [](std::size_t) {}, "Default: bounces");
+    CLI::Option* bounces =
+        add_number(command, "--bounces", bounces_, kCountOrZero, "Exactly this many bounces");
+    CLI::Option* tolerance = add_number(command, "--tolerance", solve_.rule.tolerance, kShare,
+                                        "Stop at this bound on the relative error (default 1e-4)");
     bounces->excludes(tolerance);
   }
 
   void add_compare() {
     CLI::App& command = add_command("compare", "The GPU against the reference, per output");
-    add_path(command, "FILE", compare_.file, ".relume file")->required();
+    add_path(command, "FILE", "", compare_.file, ".relume file")->required();
     add_lighting(command, compare_.lighting);
     add_solver(command, compare_.solver, false);
-    add_count(command, "--bounces", compare_.bounces, 0,
-              "Bounces on both sides (default: what the reference needs for 1e-4)");
-    add_number(command, "--tolerance", compare_.tolerance, parse_share, is_positive,
-               "a relative error above 0", "Largest relative error that passes (default 1e-5)");
+    add_number(command, "--bounces", compare_.bounces, kCountOrZero,
+               "Bounces on both sides (default: what the reference needs for 1e-4)");
+    add_number(command, "--tolerance", compare_.tolerance, kShare,
+               "Largest relative error that passes (default 1e-5)");
   }
 
   void add_factors() {
     CLI::App& command = add_command("factors", "Form factors between the named surfaces of a scene");
-    add_path(command, "SCENE", factors_.scene, "glTF scene (.gltf, .glb)")->required();
+    add_path(command, "SCENE", "", factors_.scene, "glTF scene (.gltf, .glb)")->required();
     add_choice(
         command, "--by", {"node", "material"},
         [this](std::size_t k) {
           factors_.grouping = k == 0 ? FactorGrouping::node : FactorGrouping::material;
         },
-        "node (default) or material");
-    add_count(command, "--rays", factors_.rays, 1,
-              fmt::format("Rays per surface (default {})", factors_.rays));
-    add_count(command, "--seed", factors_.seed, 0, "Default 0");
-    add_count(command, "--threads", factors_.threads, 1, "Default: all");
+        "What a surface is (default node)");
+    add_number(command, "--rays", factors_.rays, kCount,
+               fmt::format("Rays per surface (default {})", factors_.rays));
+    add_number(command, "--seed", factors_.seed, kCountOrZero, "Default 0");
+    add_number(command, "--threads", factors_.threads, kCount, "Default: all");
   }
 
   void add_export() {
     CLI::App& command = add_command("export", "Matrices, geometry and debug pictures for other programs");
-    add_path(command, "FILE", export_.file, ".relume file")->required();
-    add_path(command, "-o,--output", export_.output, "Folder for the results (default: here)");
+    add_path(command, "FILE", "", export_.file, ".relume file")->required();
+    add_path(command, "-o,--output", "DIR", export_.output, "Folder for the results (default: here)");
     const std::vector<std::string> formats{"mtx", "npz"};
     add_choice(
         command, "--matrices", formats, [this, formats](std::size_t k) { export_.matrices = formats[k]; },
-        "Bounce and gather matrix as mtx (Matrix Market) or npz (SciPy)");
+        "Bounce and gather matrix for Matrix Market or SciPy");
     command.add_flag("--glb", export_.glb, "Geometry with lightmap coordinates and the clusters' albedo");
     const std::vector<std::string>& views = debug_view_names();
     add_choice(
         command, "--debug", views, [this, &views](std::size_t k) { export_.debug.push_back(views[k]); },
-        fmt::format("Picture and .glb of {}", fmt::join(views, ", ")));
+        "Pictures and a .glb of one property");
   }
 
   CommandArguments chosen() const {

@@ -78,7 +78,7 @@ struct Surroundings {
   double front = 0.0;     ///< shares of the rays
   double back = 0.0;      ///< of single-sided surfaces
   double nearest = 0.0;   ///< distances; misses count as the diagonal
-  double openness = 0.0;  ///< geometric mean distance
+  double openness = 0.0;  ///< geometric mean distance of what is met
 };
 
 Surroundings look_around(const SolvedScene& scene, const glm::vec3& eye, double diagonal) {
@@ -101,20 +101,21 @@ Surroundings look_around(const SolvedScene& scene, const glm::vec3& eye, double 
     for (int lane = 0; lane < kPacketSize; ++lane) {
       const bool met = packet.triangle[lane] != kNoTriangle;
       const double distance = met ? std::min(double(packet.far[lane]), diagonal) : diagonal;
-      log_sum += std::log(std::max(distance, 1e-6 * diagonal));
       around.nearest = std::min(around.nearest, distance);
       if (!met) continue;
+      log_sum += std::log(std::max(distance, 1e-6 * diagonal));
       const SeenPoint point = seen_point(scene.model, packet.triangle[lane], {}, directions[lane]);
       (hidden_back(scene.model, point) ? around.back : around.front) += 1.0 / kProbeRays;
     }
   }
-  around.openness = std::exp(log_sum / kProbeRays);
+  const double share = around.front + around.back;
+  around.openness = share > 0.0 ? std::exp(log_sum / (share * kProbeRays)) : 0.0;
   return around;
 }
 
 struct Eye {
   glm::dvec3 position{0.0};
-  double openness = 0.0;
+  double worth = 0.0;     ///< 0: not usable
   double enclosed = 0.0;  ///< share of directions that meet a front
 };
 
@@ -138,18 +139,17 @@ glm::vec3 place_before(const SolvedScene& scene, std::uint32_t i, double diagona
   return start + float(reach * (0.15 + 0.7 * halton(i, 7))) * normal;
 }
 
-/// Eyes in free space, the most open first.
+/// Eyes in free space, the most open among the enclosed first.
 std::vector<Eye> inner_eyes(const SolvedScene& scene, double diagonal) {
   std::vector<Eye> eyes(kEyesTried);
   tbb::parallel_for(0, kEyesTried, [&](int i) {
     const glm::vec3 place = place_before(scene, static_cast<std::uint32_t>(i) + 1, diagonal);
     const Surroundings around = look_around(scene, place, diagonal);
-    const bool usable = around.back < 0.1 && around.front > 0.3 && around.nearest > 0.01 * diagonal;
-    eyes[i] = {glm::dvec3(place), usable ? around.openness : 0.0, around.front};
+    const bool usable = around.back < 0.4 && around.front > 0.3 && around.nearest > 0.01 * diagonal;
+    eyes[i] = {glm::dvec3(place), usable ? around.openness * around.front : 0.0, around.front};
   });
-  std::stable_sort(eyes.begin(), eyes.end(),
-                   [](const Eye& a, const Eye& b) { return a.openness > b.openness; });
-  std::erase_if(eyes, [](const Eye& eye) { return eye.openness <= 0.0; });
+  std::stable_sort(eyes.begin(), eyes.end(), [](const Eye& a, const Eye& b) { return a.worth > b.worth; });
+  std::erase_if(eyes, [](const Eye& eye) { return eye.worth <= 0.0; });
   if (eyes.size() > kEyesKept) eyes.resize(kEyesKept);
   return eyes;
 }
@@ -224,30 +224,30 @@ struct Thumbnail {
   static constexpr int kPixels = kThumbWidth * kThumbHeight;
   std::map<std::uint64_t, int> things;  ///< pixels by node and material
   std::map<std::uint64_t, int> tones;   ///< pixels by luminance, three steps an octave
-  int met = 0;
-  int lit = 0;
-  int near = 0;  ///< things that stand in the way
+  int lit = 0;                          ///< the other counts but `near` and `touching` are of lit pixels
+  int near = 0;                         ///< things that stand in the way
   int touching = 0;
   double log_depth = 0.0;
 
   double share(int pixels) const { return double(pixels) / kPixels; }
 };
 
-void add_pixel(const SolvedScene& scene, const ViewHit& hit, double diagonal, Thumbnail& thumbnail) {
+void add_pixel(const SolvedScene& scene, const ViewHit& hit, double diagonal, double dark,
+               Thumbnail& thumbnail) {
   const Occluders& occluders = scene.model.occluders;
   const std::uint32_t triangle = hit.point.triangle;
   const double depth = std::min(double(hit.distance) / diagonal, 1.0);
   const double tone = luminance(scene.shading.radiance(hit.point));
-  ++thumbnail.met;
-  thumbnail.lit += tone > 0.0;
   thumbnail.near += depth < 0.12;
   thumbnail.touching += depth < 0.04;
+  if (tone < dark) return;
+  ++thumbnail.lit;
   thumbnail.log_depth += std::log(depth / kLeastDepth + 1.0) / std::log(1.0 / kLeastDepth + 1.0);
   ++thumbnail.things[std::uint64_t{occluders.node[triangle]} << 32 | occluders.material[triangle]];
-  ++thumbnail.tones[tone > 0.0 ? std::uint64_t(std::max(0.0, 100.0 + 3.0 * std::log2(tone))) : 0];
+  ++thumbnail.tones[static_cast<std::uint64_t>(3.0 * std::log2(tone / dark))];
 }
 
-Thumbnail look_through(const SolvedScene& scene, const Camera& camera, double diagonal) {
+Thumbnail look_through(const SolvedScene& scene, const Camera& camera, double diagonal, double dark) {
   const ViewFrame frame(scene.model, camera, double(kThumbWidth) / kThumbHeight);
   Thumbnail thumbnail;
   for (int first = 0; first < Thumbnail::kPixels; first += kPacketSize) {
@@ -258,7 +258,7 @@ Thumbnail look_through(const SolvedScene& scene, const Camera& camera, double di
           frame.ray({(pixel % kThumbWidth + 0.5) / kThumbWidth, (pixel / kThumbWidth + 0.5) / kThumbHeight});
     }
     for (const ViewHit& hit : trace(scene.model, scene.caster, rays)) {
-      if (hit.met) add_pixel(scene, hit, diagonal, thumbnail);
+      if (hit.met) add_pixel(scene, hit, diagonal, dark, thumbnail);
     }
   }
   return thumbnail;
@@ -266,11 +266,26 @@ Thumbnail look_through(const SolvedScene& scene, const Camera& camera, double di
 
 /// The weights are a matter of taste, settled by looking at pictures.
 double interest(const Thumbnail& picture) {
-  if (picture.met == 0) return 0.0;
-  return picture.share(picture.lit) + 0.5 * picture.share(picture.met) +
-         1.2 * variety(picture.things, picture.met, 16.0) + 0.8 * variety(picture.tones, picture.met, 16.0) +
-         picture.log_depth / picture.met - 1.5 * picture.share(picture.near) -
-         2.5 * picture.share(picture.touching);
+  if (picture.lit == 0) return 0.0;
+  return 1.5 * picture.share(picture.lit) + 1.2 * variety(picture.things, picture.lit, 16.0) +
+         0.8 * variety(picture.tones, picture.lit, 16.0) + picture.log_depth / picture.lit -
+         1.5 * picture.share(picture.near) - 2.5 * picture.share(picture.touching);
+}
+
+/// A hundredth of the mean luminance of all surfaces: what is darker looks black.
+double dark_luminance(const SolvedScene& scene) {
+  const Occluders& occluders = scene.model.occluders;
+  double sum = 0.0;
+  double area = 0.0;
+  for (std::uint32_t t = 0; t < occluders.triangles.size(); ++t) {
+    const glm::vec3& a = occluder_corner(occluders, t, 0);
+    const glm::vec3 normal =
+        glm::cross(occluder_corner(occluders, t, 1) - a, occluder_corner(occluders, t, 2) - a);
+    const Rgb radiance = scene.shading.radiance({t, Side::front, glm::vec2(1.0f / 3.0f)});
+    sum += glm::length(normal) * luminance(radiance);
+    area += glm::length(normal);
+  }
+  return std::max(0.01 * sum / area, 1e-30);
 }
 
 bool shows_the_scene(const Thumbnail& picture) {
@@ -283,13 +298,14 @@ Camera choose_camera(const SolvedScene& scene) {
   if (scene.model.occluders.triangles.empty()) return scene.model.camera.value_or(Camera{});
   const Bounds bounds = interesting_bounds(scene.model.occluders);
   const double diagonal = std::max(bounds.diagonal(), 1e-9);
-  if (scene.model.camera && shows_the_scene(look_through(scene, *scene.model.camera, diagonal))) {
+  const double dark = dark_luminance(scene);
+  if (scene.model.camera && shows_the_scene(look_through(scene, *scene.model.camera, diagonal, dark))) {
     return *scene.model.camera;
   }
   const std::vector<Candidate> candidates = cameras_tried(scene, bounds);
   std::vector<double> scores(candidates.size());
   tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
-    scores[i] = interest(look_through(scene, candidates[i].camera, diagonal)) + candidates[i].bonus;
+    scores[i] = interest(look_through(scene, candidates[i].camera, diagonal, dark)) + candidates[i].bonus;
   });
   return candidates[std::max_element(scores.begin(), scores.end()) - scores.begin()].camera;
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "tool/lightmap_image.h"
+
 namespace relume {
 namespace {
 
@@ -16,10 +18,23 @@ Vector interpolated(const Vector& a, const Vector& b, const Vector& c, const glm
 std::vector<std::uint32_t> lumel_grid(const System& system) {
   std::vector<std::uint32_t> grid(std::size_t{system.lightmap_width} * system.lightmap_height, kNone);
   for (std::uint32_t i = 0; i < system.lumels.size(); ++i) {
-    const Lumel& lumel = system.lumels[i];
-    if ((lumel.flags & kLumelInvalid) == 0) grid[std::size_t{lumel.y} * system.lightmap_width + lumel.x] = i;
+    grid[std::size_t{system.lumels[i].y} * system.lightmap_width + system.lumels[i].x] = i;
   }
   return grid;
+}
+
+bool is_valid(const Lumel& lumel) {
+  return (lumel.flags & kLumelInvalid) == 0;
+}
+
+std::vector<Rgb> shown_irradiance(const System& system, std::span<const Rgb> irradiance) {
+  const ColorImage image = lightmap_image(system, irradiance);
+  std::vector<Rgb> shown;
+  for (std::size_t i = 0; i < system.lumels.size(); ++i) {
+    const Lumel& lumel = system.lumels[i];
+    shown.push_back(is_valid(lumel) ? irradiance[i] : Rgb(image.at(lumel.x, lumel.y)));
+  }
+  return shown;
 }
 
 }  // namespace
@@ -32,11 +47,13 @@ struct SurfaceShading::Sum {
 };
 
 SurfaceShading::SurfaceShading(const Model& model, const Lighting& lighting, std::span<const Rgb> irradiance)
-    : model_(model), lighting_(lighting), irradiance_(irradiance) {
+    : model_(model), lighting_(lighting) {
   const std::vector<std::uint32_t> clusters = cluster_offsets(model);
   const std::vector<std::uint32_t> rows = gather_offsets(model);
   for (std::size_t s = 0; s < model.systems.size(); ++s) {
-    systems_.push_back({lumel_grid(model.systems[s]), rows[s], clusters[s]});
+    const System& system = model.systems[s];
+    const auto lumels = irradiance.subspan(rows[s], system.lumels.size());
+    systems_.push_back({lumel_grid(system), shown_irradiance(system, lumels), clusters[s]});
   }
 }
 
@@ -52,12 +69,14 @@ Rgb SurfaceShading::radiance(const SeenPoint& point) const {
   const std::size_t first = std::size_t{3} * point.triangle;
   const glm::vec2 texel = interpolated(uv[first], uv[first + 1], uv[first + 2], point.barycentric);
   Sum sum{model_.systems[s], systems_[s]};
-  // The first reach is bilinear; further ones bridge gaps where lumels are invalid.
-  for (int reach = 1; reach <= 4 && sum.weight <= 0.0; ++reach) add_lumels(point, texel, reach, sum);
+  add_lumels(point, texel, 1, Use::valid, sum);
+  for (int reach = 1; reach <= 4 && sum.weight <= 0.0; ++reach)
+    add_lumels(point, texel, reach, Use::all, sum);
   return sum.weight > 0.0 ? sum.radiance / sum.weight : Rgb(0.0);
 }
 
-void SurfaceShading::add_lumels(const SeenPoint& point, const glm::vec2& texel, int reach, Sum& sum) const {
+void SurfaceShading::add_lumels(const SeenPoint& point, const glm::vec2& texel, int reach, Use use,
+                                Sum& sum) const {
   const int width = static_cast<int>(sum.system.lightmap_width);
   const int height = static_cast<int>(sum.system.lightmap_height);
   const glm::vec2 place = texel - glm::vec2(0.5f);
@@ -68,7 +87,8 @@ void SurfaceShading::add_lumels(const SeenPoint& point, const glm::vec2& texel, 
       const std::uint32_t lumel = sum.lumels.lumel_at[std::size_t(y) * width + x];
       const float wx = 1.0f - std::abs(place.x - float(x)) / float(reach);
       const float wy = 1.0f - std::abs(place.y - float(y)) / float(reach);
-      if (lumel != kNone && wx * wy > 0.0f) add_lumel(point, lumel, wx * wy, sum);
+      if (lumel == kNone || wx * wy <= 0.0f) continue;
+      if (use == Use::all || is_valid(sum.system.lumels[lumel])) add_lumel(point, lumel, wx * wy, sum);
     }
   }
 }
@@ -89,8 +109,7 @@ void SurfaceShading::add_lumel(const SeenPoint& point, std::uint32_t lumel, floa
   const float facing = glm::dot(normal, element.normal) * (point.side == Side::front ? 1.0f : -1.0f);
   if (facing < 0.5f * glm::length(normal)) return;
   const std::size_t i = sum.lumels.first_cluster + element.cluster;
-  const Rgb& irradiance = irradiance_[sum.lumels.first_row + lumel];
-  const Rgb radiosity = lighting_.exitance[i] + lighting_.albedo[i] * irradiance;
+  const Rgb radiosity = lighting_.exitance[i] + lighting_.albedo[i] * sum.lumels.irradiance[lumel];
   sum.radiance += double(weight) * radiance_from_radiosity(radiosity);
   sum.weight += weight;
 }

@@ -31,16 +31,16 @@ class SurfaceShading {
  private:
   struct SystemLumels {
     std::vector<std::uint32_t> lumel_at;  ///< per texel, kNone: none
-    std::uint32_t first_row = 0;          ///< gather row of lumel 0
+    std::vector<Rgb> irradiance;          ///< per lumel; of invalid ones, what the lightmap shows
     std::uint32_t first_cluster = 0;
   };
   struct Sum;
-  void add_lumels(const SeenPoint& point, const glm::vec2& texel, int reach, Sum& sum) const;
+  enum class Use { valid, all };
+  void add_lumels(const SeenPoint& point, const glm::vec2& texel, int reach, Use use, Sum& sum) const;
   void add_lumel(const SeenPoint& point, std::uint32_t lumel, float weight, Sum& sum) const;
 
   const Model& model_;
   const Lighting& lighting_;
-  std::span<const Rgb> irradiance_;
   std::vector<SystemLumels> systems_;
 };
 
