@@ -125,8 +125,11 @@ ContractionBound contraction_bound(const CsrMatrix& bounce_matrix, const std::ve
     previous = quotient;
   }
   bound.quotient *= 1.0 + rounding(bounce_matrix);
-  bound.lower_quotient = glm::max(lower_quotient(bounce_matrix, albedo, bound.weights, 0.0),
-                                  lower_quotient(bounce_matrix, albedo, bound.weights, 0.1));
+  // Any part of the surfaces gives a lower end; the slowest mode may live on all of them or in one gap.
+  for (const double threshold : {0.0, 0.1, 0.5}) {
+    bound.lower_quotient =
+        glm::max(bound.lower_quotient, lower_quotient(bounce_matrix, albedo, bound.weights, threshold));
+  }
   return bound;
 }
 
