@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "compute/descriptor_sets.h"
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 
 #include "compute/vulkan_error.h"
@@ -9,11 +11,21 @@
 namespace relume {
 namespace {
 
+/// A texel buffer that shows the same bytes as a storage buffer of its set.
+struct TexelPlan {
+  std::uint32_t binding = 0;
+  std::uint32_t storage_binding = 0;
+  VkFormat format = VK_FORMAT_UNDEFINED;
+  VkDeviceSize texel_bytes = 0;
+  VkBufferView view = VK_NULL_HANDLE;
+};
+
 /// What one descriptor set binds, and where the set goes.
 struct SetPlan {
   std::uint32_t layout = 0;
   VkDescriptorSet* set = nullptr;
-  std::vector<VkDescriptorBufferInfo> bindings;  ///< by binding number
+  std::vector<VkDescriptorBufferInfo> bindings;  ///< storage buffers, by binding number
+  std::vector<TexelPlan> texels;
 };
 
 VkDescriptorBufferInfo part(const BufferRange& range, VkDeviceSize offset, VkDeviceSize byte_size) {
@@ -25,7 +37,7 @@ VkDescriptorBufferInfo whole(const BufferRange& range) {
 }
 
 SetPlan plan_solve_set(std::span<const BufferRange> ranges, std::uint32_t half_in, VkDescriptorSet& set) {
-  SetPlan plan{kernels::kSolveSet, &set, std::vector<VkDescriptorBufferInfo>(kernels::kSolveBindings)};
+  SetPlan plan{kernels::kSolveSet, &set, std::vector<VkDescriptorBufferInfo>(kernels::kSolveBindings), {}};
   plan.bindings[kernels::kRadiosityInBinding] = whole(ranges[half_in == 0 ? kRadiosityA : kRadiosityB]);
   plan.bindings[kernels::kRadiosityOutBinding] = whole(ranges[half_in == 0 ? kRadiosityB : kRadiosityA]);
   plan.bindings[kernels::kAlbedoBinding] = whole(ranges[kAlbedo]);
@@ -38,10 +50,12 @@ SetPlan plan_solve_set(std::span<const BufferRange> ranges, std::uint32_t half_i
 
 SetPlan plan_system_set(const SystemLayout& system, std::span<const BufferRange> ranges,
                         VkDescriptorSet& set) {
-  SetPlan plan{kernels::kSystemSet, &set, std::vector<VkDescriptorBufferInfo>(kernels::kSystemBindings)};
+  SetPlan plan{kernels::kSystemSet, &set, std::vector<VkDescriptorBufferInfo>(kernels::kSystemBindings), {}};
   plan.bindings[kernels::kImportsBinding] = whole(ranges[system.imports_buffer]);
   plan.bindings[kernels::kLocalRadiosityBinding] = whole(ranges[system.local_radiosity_buffer]);
   plan.bindings[kernels::kIrradianceBinding] = whole(ranges[system.irradiance_buffer]);
+  plan.texels = {{kernels::kLocalRadiosityTexelsBinding, kernels::kLocalRadiosityBinding,
+                  VK_FORMAT_R32G32B32A32_SFLOAT, kRgbBytes}};
   return plan;
 }
 
@@ -49,10 +63,12 @@ void plan_block_sets(const std::vector<BlockLayout>& blocks, std::span<const Buf
                      std::vector<VkDescriptorSet>& sets, std::vector<SetPlan>& plans) {
   sets.resize(blocks.size());
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    SetPlan plan{kernels::kBlockSet, &sets[i], {}};
+    SetPlan plan{kernels::kBlockSet, &sets[i], {}, {}};
     for (const Section& section : blocks[i].sections) {
       plan.bindings.push_back(part(ranges[blocks[i].buffer], section.offset, section.byte_size));
     }
+    plan.texels = {{kernels::kColumnTexelsBinding, kernels::kColumnsBinding, VK_FORMAT_R32_UINT, 4},
+                   {kernels::kValueTexelsBinding, kernels::kValuesBinding, VK_FORMAT_R32_UINT, 4}};
     plans.push_back(std::move(plan));
   }
 }
@@ -73,14 +89,38 @@ std::vector<SetPlan> plan_sets(const SolverLayout& layout, std::span<const Buffe
   return plans;
 }
 
+Result<void> make_texel_views(const HostDevice& host, const DeviceFunctions& functions,
+                              VkDeviceSize max_texels, std::vector<SetPlan>& plans,
+                              std::vector<VulkanHandle<VkBufferView>>& views) {
+  for (SetPlan& plan : plans) {
+    for (TexelPlan& texels : plan.texels) {
+      const VkDescriptorBufferInfo& bytes = plan.bindings[texels.storage_binding];
+      auto info = vulkan_info<VkBufferViewCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO);
+      info.buffer = bytes.buffer;
+      info.format = texels.format;
+      info.offset = bytes.offset;
+      info.range = std::min(bytes.range, max_texels * texels.texel_bytes);
+      const VkResult result =
+          functions.create_buffer_view(host.device, &info, host.allocation_callbacks, &texels.view);
+      if (result != VK_SUCCESS) return tl::unexpected<Error>(vulkan_error(result, "creating a buffer view"));
+      views.emplace_back(host.device, texels.view, functions.destroy_buffer_view, host.allocation_callbacks);
+    }
+  }
+  return {};
+}
+
 Result<VulkanHandle<VkDescriptorPool>> make_pool(const HostDevice& host, const DeviceFunctions& functions,
                                                  const std::vector<SetPlan>& plans) {
-  VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 0};
-  for (const SetPlan& plan : plans) size.descriptorCount += static_cast<std::uint32_t>(plan.bindings.size());
+  std::array<VkDescriptorPoolSize, 2> sizes = {
+      {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 0}, {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 1}}};
+  for (const SetPlan& plan : plans) {
+    sizes[0].descriptorCount += static_cast<std::uint32_t>(plan.bindings.size());
+    sizes[1].descriptorCount += static_cast<std::uint32_t>(plan.texels.size());
+  }
   auto info = vulkan_info<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
   info.maxSets = static_cast<std::uint32_t>(plans.size());
-  info.poolSizeCount = 1;
-  info.pPoolSizes = &size;
+  info.poolSizeCount = static_cast<std::uint32_t>(sizes.size());
+  info.pPoolSizes = sizes.data();
   VkDescriptorPool pool = VK_NULL_HANDLE;
   const VkResult result =
       functions.create_descriptor_pool(host.device, &info, host.allocation_callbacks, &pool);
@@ -106,12 +146,21 @@ Result<void> allocate(const HostDevice& host, const DeviceFunctions& functions, 
 void write(const HostDevice& host, const DeviceFunctions& functions, const std::vector<SetPlan>& plans) {
   std::vector<VkWriteDescriptorSet> writes;
   for (const SetPlan& plan : plans) {
-    auto entry = vulkan_info<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
-    entry.dstSet = *plan.set;
-    entry.descriptorCount = static_cast<std::uint32_t>(plan.bindings.size());
-    entry.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-    entry.pBufferInfo = plan.bindings.data();
-    writes.push_back(entry);
+    auto buffers = vulkan_info<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
+    buffers.dstSet = *plan.set;
+    buffers.descriptorCount = static_cast<std::uint32_t>(plan.bindings.size());
+    buffers.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    buffers.pBufferInfo = plan.bindings.data();
+    writes.push_back(buffers);
+    for (const TexelPlan& texels : plan.texels) {
+      auto view = vulkan_info<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
+      view.dstSet = *plan.set;
+      view.dstBinding = texels.binding;
+      view.descriptorCount = 1;
+      view.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+      view.pTexelBufferView = &texels.view;
+      writes.push_back(view);
+    }
   }
   functions.update_descriptor_sets(host.device, static_cast<std::uint32_t>(writes.size()), writes.data(), 0,
                                    nullptr);
@@ -121,9 +170,12 @@ void write(const HostDevice& host, const DeviceFunctions& functions, const std::
 
 Result<DescriptorSets> make_descriptor_sets(const HostDevice& host, const DeviceFunctions& functions,
                                             const Pipelines& pipelines, const SolverLayout& layout,
-                                            std::span<const BufferRange> ranges) {
+                                            std::span<const BufferRange> ranges, VkDeviceSize max_texels) {
   DescriptorSets sets;
-  const std::vector<SetPlan> plans = plan_sets(layout, ranges, sets);
+  std::vector<SetPlan> plans = plan_sets(layout, ranges, sets);
+  if (auto made = make_texel_views(host, functions, max_texels, plans, sets.texel_views); !made) {
+    return tl::unexpected<Error>(made.error());
+  }
   auto pool = make_pool(host, functions, plans);
   if (!pool) return tl::unexpected<Error>(pool.error());
   sets.pool = std::move(*pool);

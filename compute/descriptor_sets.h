@@ -22,14 +22,16 @@ struct SystemSets {
 };
 
 struct DescriptorSets {
+  std::vector<VulkanHandle<VkBufferView>> texel_views;
   VulkanHandle<VkDescriptorPool> pool;
   std::array<VkDescriptorSet, 2> solve{};  ///< by the half that is read
   std::vector<SystemSets> systems;
 };
 
-/// `ranges` has one entry per buffer of the layout.
+/// `ranges` has one entry per buffer of the layout. Texel buffers show no more than `max_texels` elements; a
+/// device that has fewer than a buffer holds must use MatrixFetch::storage.
 Result<DescriptorSets> make_descriptor_sets(const HostDevice& host, const DeviceFunctions& functions,
                                             const Pipelines& pipelines, const SolverLayout& layout,
-                                            std::span<const BufferRange> ranges);
+                                            std::span<const BufferRange> ranges, VkDeviceSize max_texels);
 
 }  // namespace relume

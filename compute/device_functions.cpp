@@ -43,6 +43,8 @@ void load_creation(Loader& load, DeviceFunctions& table) {
   load.required(table.destroy_pipeline_layout, "vkDestroyPipelineLayout");
   load.required(table.create_compute_pipelines, "vkCreateComputePipelines");
   load.required(table.destroy_pipeline, "vkDestroyPipeline");
+  load.required(table.create_buffer_view, "vkCreateBufferView");
+  load.required(table.destroy_buffer_view, "vkDestroyBufferView");
   load.required(table.create_descriptor_pool, "vkCreateDescriptorPool");
   load.required(table.destroy_descriptor_pool, "vkDestroyDescriptorPool");
   load.required(table.allocate_descriptor_sets, "vkAllocateDescriptorSets");

@@ -20,6 +20,8 @@ struct DeviceFunctions {
   PFN_vkDestroyPipelineLayout destroy_pipeline_layout = nullptr;
   PFN_vkCreateComputePipelines create_compute_pipelines = nullptr;
   PFN_vkDestroyPipeline destroy_pipeline = nullptr;
+  PFN_vkCreateBufferView create_buffer_view = nullptr;
+  PFN_vkDestroyBufferView destroy_buffer_view = nullptr;
   PFN_vkCreateDescriptorPool create_descriptor_pool = nullptr;
   PFN_vkDestroyDescriptorPool destroy_descriptor_pool = nullptr;
   PFN_vkAllocateDescriptorSets allocate_descriptor_sets = nullptr;

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "core/block_matrix.h"
 #include "kernels/shared/bindings.h"
 #include "kernels/shared/limits.h"
 #include "kernels/shared/records.h"
@@ -12,6 +13,7 @@ namespace {
 
 constexpr std::uint32_t kStorageBuffers =
     kernels::kSolveBindings + kernels::kSystemBindings + kernels::kBlockBindings;
+constexpr std::uint32_t kTexelBuffers = kernels::kSystemTexelBindings + kernels::kBlockTexelBindings;
 
 struct LimitCheck {
   const char* name;
@@ -25,6 +27,8 @@ std::string missing(const VkPhysicalDeviceProperties& properties) {
   const LimitCheck checks[] = {
       {"maxPerStageDescriptorStorageBuffers", limits.maxPerStageDescriptorStorageBuffers, kStorageBuffers},
       {"maxDescriptorSetStorageBuffers", limits.maxDescriptorSetStorageBuffers, kStorageBuffers},
+      {"maxPerStageDescriptorSampledImages", limits.maxPerStageDescriptorSampledImages, kTexelBuffers},
+      {"maxTexelBufferElements", limits.maxTexelBufferElements, kMaxImports},
       {"maxBoundDescriptorSets", limits.maxBoundDescriptorSets, kernels::kSets},
       {"maxComputeWorkGroupInvocations", limits.maxComputeWorkGroupInvocations, kernels::kWorkgroupSize},
       {"maxComputeWorkGroupSize[0]", limits.maxComputeWorkGroupSize[0], kernels::kWorkgroupSize},

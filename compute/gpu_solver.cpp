@@ -23,7 +23,7 @@ constexpr std::pair<RowKernel, std::string_view> kRowKernelNames[] = {
     {RowKernel::row_per_8_lanes, "row_per_8_lanes"},
 };
 
-Result<LayoutLimits> layout_limits(const HostDevice& host) {
+Result<VkPhysicalDeviceLimits> device_limits(const HostDevice& host) {
   if (auto required = device_requirements(host.get_instance_proc_addr, host.instance, host.physical_device);
       !required) {
     return tl::unexpected<Error>(required.error());
@@ -32,8 +32,24 @@ Result<LayoutLimits> layout_limits(const HostDevice& host) {
       host.get_instance_proc_addr(host.instance, "vkGetPhysicalDeviceProperties"));
   VkPhysicalDeviceProperties properties{};
   get_properties(host.physical_device, &properties);
-  return LayoutLimits{properties.limits.maxStorageBufferRange,
-                      properties.limits.minStorageBufferOffsetAlignment};
+  return properties.limits;
+}
+
+/// Both alignments are powers of two.
+LayoutLimits layout_limits(const VkPhysicalDeviceLimits& limits) {
+  return {limits.maxStorageBufferRange,
+          std::max(limits.minStorageBufferOffsetAlignment, limits.minTexelBufferOffsetAlignment)};
+}
+
+Result<MatrixFetch> choose_fetch(const SolverOptions& options, const SolverLayout& layout,
+                                 VkDeviceSize max_texels) {
+  const VkDeviceSize needed = largest_texel_buffer(layout);
+  if (options.fetch == MatrixFetch::texels && needed > max_texels) {
+    return fail(ErrorCode::no_device, "a block of the matrices needs texel buffers of " +
+                                          std::to_string(needed) + " elements, but the device has at most " +
+                                          std::to_string(max_texels));
+  }
+  return options.fetch.value_or(needed > max_texels ? MatrixFetch::storage : MatrixFetch::texels);
 }
 
 Result<void> add_pass_pipelines(Pipelines& pipelines, const Pass& pass, RowKernel row_kernel) {
@@ -88,13 +104,15 @@ GpuSolver::~GpuSolver() = default;
 
 Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
                                     const SolverOptions& options) {
-  auto limits = layout_limits(host);
+  const auto limits = device_limits(host);
   if (!limits) return tl::unexpected<Error>(limits.error());
-  auto layout = solver_layout(model, *limits);
+  auto layout = solver_layout(model, layout_limits(*limits));
   if (!layout) return tl::unexpected<Error>(layout.error());
+  const auto fetch = choose_fetch(options, *layout, limits->maxTexelBufferElements);
+  if (!fetch) return tl::unexpected<Error>(fetch.error());
   auto functions = load_device_functions(host);
   if (!functions) return tl::unexpected<Error>(functions.error());
-  auto pipelines = Pipelines::create(host, *functions);
+  auto pipelines = Pipelines::create(host, *functions, *fetch);
   if (!pipelines) return tl::unexpected<Error>(pipelines.error());
 
   const std::uint64_t slice = std::max<std::uint64_t>(options.max_dispatch_form_factors, 1);
@@ -106,6 +124,7 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
   return GpuSolver(std::make_unique<SolverState>(SolverState{host,
                                                              *functions,
                                                              options,
+                                                             limits->maxTexelBufferElements,
                                                              std::move(*layout),
                                                              std::move(*pipelines),
                                                              std::move(bounce),
@@ -134,7 +153,8 @@ Result<void> GpuSolver::bind(std::span<const BufferRange> ranges) {
     }
     exact[i].byte_size = needed[i].byte_size;
   }
-  auto sets = make_descriptor_sets(state_->host, state_->functions, state_->pipelines, state_->layout, exact);
+  auto sets = make_descriptor_sets(state_->host, state_->functions, state_->pipelines, state_->layout, exact,
+                                   state_->max_texels);
   if (!sets) return tl::unexpected<Error>(sets.error());
   state_->ranges = std::move(exact);
   state_->sets = std::move(*sets);

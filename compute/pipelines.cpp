@@ -15,24 +15,35 @@ namespace {
 static_assert(static_cast<kernels::uint>(ValueCodec::f32) == kernels::kCodecF32);
 static_assert(static_cast<kernels::uint>(ValueCodec::unorm16) == kernels::kCodecUnorm16);
 
-constexpr std::array<std::uint32_t, kernels::kSets> kBindingCounts = [] {
-  std::array<std::uint32_t, kernels::kSets> counts{};
-  counts[kernels::kSolveSet] = kernels::kSolveBindings;
-  counts[kernels::kSystemSet] = kernels::kSystemBindings;
-  counts[kernels::kBlockSet] = kernels::kBlockBindings;
-  return counts;
+static_assert(static_cast<kernels::uint>(MatrixFetch::storage) == kernels::kFetchStorage);
+static_assert(static_cast<kernels::uint>(MatrixFetch::texels) == kernels::kFetchTexels);
+
+/// Storage buffers come first in a set, then texel buffers.
+struct SetShape {
+  std::uint32_t storage_buffers = 0;
+  std::uint32_t texel_buffers = 0;
+};
+
+constexpr std::array<SetShape, kernels::kSets> kSetShapes = [] {
+  std::array<SetShape, kernels::kSets> shapes{};
+  shapes[kernels::kSolveSet] = {kernels::kSolveBindings, 0};
+  shapes[kernels::kSystemSet] = {kernels::kSystemBindings, kernels::kSystemTexelBindings};
+  shapes[kernels::kBlockSet] = {kernels::kBlockBindings, kernels::kBlockTexelBindings};
+  return shapes;
 }();
 
 Result<VulkanHandle<VkDescriptorSetLayout>> make_set_layout(const HostDevice& host,
                                                             const DeviceFunctions& functions,
-                                                            std::uint32_t binding_count) {
-  std::vector<VkDescriptorSetLayoutBinding> bindings(binding_count);
-  for (std::uint32_t i = 0; i < binding_count; ++i) {
-    bindings[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+                                                            const SetShape& shape) {
+  std::vector<VkDescriptorSetLayoutBinding> bindings(shape.storage_buffers + shape.texel_buffers);
+  for (std::uint32_t i = 0; i < bindings.size(); ++i) {
+    const VkDescriptorType type = i < shape.storage_buffers ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
+                                                            : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+    bindings[i] = {i, type, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
   }
   auto info =
       vulkan_info<VkDescriptorSetLayoutCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO);
-  info.bindingCount = binding_count;
+  info.bindingCount = static_cast<std::uint32_t>(bindings.size());
   info.pBindings = bindings.data();
   VkDescriptorSetLayout layout = VK_NULL_HANDLE;
   const VkResult result =
@@ -95,10 +106,11 @@ KernelId step_kernel_id(StepKernel step, RowKernel row_kernel) {
   return KernelId::import_radiosity;
 }
 
-Result<Pipelines> Pipelines::create(const HostDevice& host, const DeviceFunctions& functions) {
-  Pipelines pipelines(host, functions);
+Result<Pipelines> Pipelines::create(const HostDevice& host, const DeviceFunctions& functions,
+                                    MatrixFetch fetch) {
+  Pipelines pipelines(host, functions, fetch);
   for (std::uint32_t set = 0; set < kernels::kSets; ++set) {
-    auto layout = make_set_layout(host, functions, kBindingCounts[set]);
+    auto layout = make_set_layout(host, functions, kSetShapes[set]);
     if (!layout) return tl::unexpected<Error>(layout.error());
     pipelines.set_layouts_[set] = std::move(*layout);
   }
@@ -113,9 +125,13 @@ Result<void> Pipelines::add(KernelId kernel, ValueCodec codec) {
   auto module = make_shader_module(host_, functions_, kernel);
   if (!module) return tl::unexpected<Error>(module.error());
 
-  const auto codec_value = static_cast<std::uint32_t>(codec);
-  const VkSpecializationMapEntry entry{kernels::kCodecConstant, 0, sizeof codec_value};
-  const VkSpecializationInfo constants{1, &entry, sizeof codec_value, &codec_value};
+  const std::array<std::uint32_t, 2> values = {static_cast<std::uint32_t>(codec),
+                                               static_cast<std::uint32_t>(fetch_)};
+  const std::array<VkSpecializationMapEntry, 2> entries = {{
+      {kernels::kCodecConstant, 0, sizeof values[0]},
+      {kernels::kFetchConstant, sizeof values[0], sizeof values[1]},
+  }};
+  const VkSpecializationInfo constants{entries.size(), entries.data(), sizeof values, values.data()};
   auto info = vulkan_info<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
   info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
   info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;

@@ -34,7 +34,8 @@ KernelId step_kernel_id(StepKernel step, RowKernel row_kernel);
 class Pipelines {
  public:
   /// Layouts only. Everything of `host` is borrowed.
-  static Result<Pipelines> create(const HostDevice& host, const DeviceFunctions& functions);
+  static Result<Pipelines> create(const HostDevice& host, const DeviceFunctions& functions,
+                                  MatrixFetch fetch);
 
   /// Makes the pipeline of a kernel for a codec, unless it is there. Kernels that decode nothing have codec
   /// f32.
@@ -47,10 +48,12 @@ class Pipelines {
   VkDescriptorSetLayout set_layout(std::uint32_t set) const { return set_layouts_[set].get(); }
 
  private:
-  Pipelines(const HostDevice& host, const DeviceFunctions& functions) : host_(host), functions_(functions) {}
+  Pipelines(const HostDevice& host, const DeviceFunctions& functions, MatrixFetch fetch)
+      : host_(host), functions_(functions), fetch_(fetch) {}
 
   HostDevice host_;
   DeviceFunctions functions_;
+  MatrixFetch fetch_;
   std::array<VulkanHandle<VkDescriptorSetLayout>, kernels::kSets> set_layouts_;
   VulkanHandle<VkPipelineLayout> layout_;
   std::map<std::pair<KernelId, ValueCodec>, VulkanHandle<VkPipeline>> pipelines_;

@@ -9,8 +9,9 @@
 namespace relume {
 namespace {
 
-constexpr VkBufferUsageFlags kUsage =
-    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                                      VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
+                                      VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 constexpr VkDeviceSize kEmptyBytes = 16;
 
 VkDeviceSize align_up(VkDeviceSize value, VkDeviceSize alignment) {
@@ -146,6 +147,19 @@ Result<SolverLayout> solver_layout(const Model& model, const LayoutLimits& limit
     return tl::unexpected<Error>(checked.error());
   }
   return layout;
+}
+
+VkDeviceSize largest_texel_buffer(const SolverLayout& layout) {
+  VkDeviceSize bytes = 0;
+  for (const SystemLayout& system : layout.systems) {
+    for (const auto* blocks : {&system.bounce, &system.gather}) {
+      for (const BlockLayout& block : *blocks) {
+        bytes = std::max({bytes, block.sections[kernels::kColumnsBinding].byte_size,
+                          block.sections[kernels::kValuesBinding].byte_size});
+      }
+    }
+  }
+  return bytes / sizeof(std::uint32_t);
 }
 
 std::uint32_t sender_number(const SolverLayout& layout, const SenderRef& sender) {

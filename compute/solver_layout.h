@@ -21,7 +21,7 @@ namespace relume {
 /// Limits of a device that decide the layout.
 struct LayoutLimits {
   VkDeviceSize max_range = VkDeviceSize{128} << 20;  ///< maxStorageBufferRange
-  VkDeviceSize alignment = 256;                      ///< minStorageBufferOffsetAlignment, a power of two
+  VkDeviceSize alignment = 256;                      ///< of storage and texel buffer offsets, a power of two
 };
 
 /// Buffers of the whole solve come first, in this order.
@@ -74,6 +74,9 @@ inline constexpr VkDeviceSize kRgbBytes = 16;
 /// format that the kernels do not know (tiles of more than one row, codec sqrt8). The model must be valid
 /// (check_model).
 Result<SolverLayout> solver_layout(const Model& model, const LayoutLimits& limits);
+
+/// Elements of the largest texel buffer of a block.
+VkDeviceSize largest_texel_buffer(const SolverLayout& layout);
 
 /// Number of a sender on the device.
 std::uint32_t sender_number(const SolverLayout& layout, const SenderRef& sender);

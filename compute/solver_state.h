@@ -19,6 +19,7 @@ struct SolverState {
   HostDevice host;
   DeviceFunctions functions;
   SolverOptions options;
+  VkDeviceSize max_texels;  ///< of a texel buffer
   SolverLayout layout;
   Pipelines pipelines;
   Pass bounce;

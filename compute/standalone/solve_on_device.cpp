@@ -204,8 +204,9 @@ Result<DeviceSolution> solve_on_device(StandaloneDevice& device, const Model& mo
   out.seconds.contraction = watch.lap();
 
   const RowKernel kernel = choose_kernel(device, options);
-  auto session = SolverSession::create(device, model, {kernel, options.max_dispatch_form_factors},
-                                       {options.max_submit_form_factors, options.timeout_seconds});
+  auto session =
+      SolverSession::create(device, model, {kernel, options.max_dispatch_form_factors, options.fetch},
+                            {options.max_submit_form_factors, options.timeout_seconds});
   if (!session) return failed(session.error());
   out.device = device.name();
   out.kernel = row_kernel_name(kernel);

@@ -18,6 +18,7 @@ namespace relume {
 struct DeviceSolveOptions {
   /// Nothing: row_per_thread on a processor, row_per_8_lanes elsewhere. The result is the same to the bit.
   std::optional<RowKernel> kernel;
+  std::optional<MatrixFetch> fetch{};  ///< see SolverOptions
   std::uint64_t max_dispatch_form_factors = 4'000'000;
   std::uint64_t max_submit_form_factors =
       32'000'000;                 ///< a submission has no more, but at least one dispatch

@@ -17,31 +17,50 @@
 #include "range.glsl"
 
 layout(constant_id = kCodecConstant) const uint kCodec = kCodecF32;
+layout(constant_id = kFetchConstant) const uint kFetch = kFetchStorage;
 
 layout(set = kSystemSet, binding = kLocalRadiosityBinding, std430) readonly restrict buffer LocalRadiosity {
   vec4 local_radiosity[];
 };
+layout(set = kSystemSet, binding = kLocalRadiosityTexelsBinding) uniform samplerBuffer local_radiosity_texels;
 layout(set = kBlockSet, binding = kTileOffsetsBinding, std430) readonly restrict buffer TileOffsets {
   uint tile_offsets[];
 };
 layout(set = kBlockSet, binding = kColumnsBinding, std430) readonly restrict buffer Columns { uint columns[]; };
+layout(set = kBlockSet, binding = kColumnTexelsBinding) uniform usamplerBuffer column_texels;
 layout(set = kBlockSet, binding = kValuesBinding, std430) readonly restrict buffer Values { uint values[]; };
+layout(set = kBlockSet, binding = kValueTexelsBinding) uniform usamplerBuffer value_texels;
 layout(set = kBlockSet, binding = kRowScalesBinding, std430) readonly restrict buffer RowScales {
   float row_scales[];
 };
 
+uint column_word(uint index) {
+  if (kFetch == kFetchTexels) return texelFetch(column_texels, int(index)).x;
+  return columns[index];
+}
+
+uint value_word(uint index) {
+  if (kFetch == kFetchTexels) return texelFetch(value_texels, int(index)).x;
+  return values[index];
+}
+
+vec3 radiosity_of(uint column) {
+  if (kFetch == kFetchTexels) return texelFetch(local_radiosity_texels, int(column)).rgb;
+  return local_radiosity[column].rgb;
+}
+
 uint half_word(uint word, uint index) { return (index & 1u) == 0u ? word & 0xffffu : word >> 16; }
 
-uint column_of(uint entry) { return half_word(columns[entry >> 1], entry); }
+uint column_of(uint entry) { return half_word(column_word(entry >> 1), entry); }
 
 float code_of(uint entry) {
-  if (kCodec == kCodecUnorm16) return float(half_word(values[entry >> 1], entry));
-  return uintBitsToFloat(values[entry]);
+  if (kCodec == kCodecUnorm16) return float(half_word(value_word(entry >> 1), entry));
+  return uintBitsToFloat(value_word(entry));
 }
 
 /// Adds one entry to the sum of its lane.
 void add_entry(inout precise vec3 lane_sum, uint entry) {
-  precise vec3 term = code_of(entry) * local_radiosity[column_of(entry)].rgb;
+  precise vec3 term = code_of(entry) * radiosity_of(column_of(entry));
   lane_sum = lane_sum + term;
 }
 

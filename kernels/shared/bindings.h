@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Descriptor sets, bindings and specialization constants. All kernels share one pipeline layout; every binding is a storage buffer.
+// Descriptor sets, bindings and specialization constants. All kernels share one pipeline layout. In each set, storage buffers come first;
+// uniform texel buffers, which are views of some of them, follow.
 //
 // Senders are numbered through: the clusters of all systems, system by system, then the sky patches.
 #ifndef RELUME_KERNELS_BINDINGS_H
@@ -27,6 +28,8 @@ const uint kImportsBinding = 0u;         // uint per import: number of the sende
 const uint kLocalRadiosityBinding = 1u;  // vec4 per import: b of the sender
 const uint kIrradianceBinding = 2u;      // vec4 per gather row of the system: I, lm/m2
 const uint kSystemBindings = 3u;
+const uint kLocalRadiosityTexelsBinding = 3u;  // rgba32f
+const uint kSystemTexelBindings = 1u;
 
 /// Set of one block of a bounce or gather matrix, in the format of core/block_matrix.h with tiles of one row.
 const uint kBlockSet = 2u;
@@ -35,6 +38,9 @@ const uint kColumnsBinding = 1u;      // two 16-bit columns in a uint, the first
 const uint kValuesBinding = 2u;       // f32: bits of a float in a uint; unorm16: two codes in a uint, the first in the low half
 const uint kRowScalesBinding = 3u;    // float per row
 const uint kBlockBindings = 4u;
+const uint kColumnTexelsBinding = 4u;  // r32ui
+const uint kValueTexelsBinding = 5u;   // r32ui
+const uint kBlockTexelBindings = 2u;
 
 const uint kSets = 3u;
 
@@ -42,6 +48,11 @@ const uint kSets = 3u;
 const uint kCodecConstant = 0u;
 const uint kCodecF32 = 0u;
 const uint kCodecUnorm16 = 1u;
+
+/// Specialization constant: where row products read from.
+const uint kFetchConstant = 1u;
+const uint kFetchStorage = 0u;  // storage buffers
+const uint kFetchTexels = 1u;   // texel buffers
 
 RELUME_SHARED_END
 

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "compute/standalone/standalone_device.h"
 
@@ -24,7 +26,9 @@ class DeviceTest : public testing::Test {
 
   void TearDown() override {
     if (!device_ || expects_messages_) return;
-    EXPECT_THAT(device_->validation_messages(), testing::IsEmpty());
+    const std::vector<std::string> messages = device_->validation_messages();
+    EXPECT_TRUE(messages.empty()) << messages.size()
+                                  << " validation messages, the first: " << messages.front();
   }
 
   StandaloneDevice& device() { return *device_; }

@@ -27,12 +27,31 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_without_fill(VkDevice device, co
   return std::strcmp(name, "vkCmdFillBuffer") == 0 ? nullptr : vkGetDeviceProcAddr(device, name);
 }
 
+VKAPI_ATTR void VKAPI_CALL short_texel_buffers(VkPhysicalDevice device,
+                                               VkPhysicalDeviceProperties* properties) {
+  vkGetPhysicalDeviceProperties(device, properties);
+  properties->limits.maxTexelBufferElements = 65536;
+}
+
+VKAPI_ATTR void VKAPI_CALL few_storage_buffers(VkPhysicalDevice device,
+                                               VkPhysicalDeviceProperties* properties) {
+  vkGetPhysicalDeviceProperties(device, properties);
+  properties->limits.maxPerStageDescriptorStorageBuffers = 4;
+}
+
+/// `replacement` for the entry point called `replaced`, the loader's for all others.
+template <class Function>
+PFN_vkVoidFunction replace(const char* replaced, Function replacement, VkInstance instance,
+                           const char* name) {
+  if (std::strcmp(name, replaced) == 0) return reinterpret_cast<PFN_vkVoidFunction>(replacement);
+  return vkGetInstanceProcAddr(instance, name);
+}
+
 }  // namespace
 
-GuardedMemory::GuardedMemory(const StandaloneDevice& device, VkDeviceSize byte_size) {
-  constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
-                                        VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  auto made = make_device_buffer(device, byte_size, kUsage, MemoryKind::readback);
+GuardedMemory::GuardedMemory(const StandaloneDevice& device, VkDeviceSize byte_size, VkBufferUsageFlags usage)
+    : usage_(usage) {
+  auto made = make_device_buffer(device, byte_size, usage, MemoryKind::readback);
   if (!made) return;
   buffer_ = std::move(*made);
   std::fill_n(buffer_.mapped, byte_size, kGuard);
@@ -42,7 +61,7 @@ Result<BufferRange> GuardedMemory::allocate(const BufferRequirement& requirement
   const VkDeviceSize end = ranges_.empty() ? 0 : ranges_.back().offset + ranges_.back().byte_size;
   const VkDeviceSize offset =
       (end + kGap + requirement.alignment - 1) / requirement.alignment * requirement.alignment;
-  if (offset + requirement.byte_size + kGap > buffer_.byte_size) {
+  if ((requirement.usage & ~usage_) != 0 || offset + requirement.byte_size + kGap > buffer_.byte_size) {
     return fail(ErrorCode::out_of_memory, "the fake host has no memory for '" + requirement.name + "'");
   }
   ranges_.push_back({buffer_.buffer.get(), offset, requirement.byte_size});
@@ -112,17 +131,19 @@ void CountingCallbacks::release(void* self, void* memory) {
 }
 
 PFN_vkVoidFunction get_proc_addr_without_barriers(VkInstance instance, const char* name) {
-  if (std::strcmp(name, "vkGetDeviceProcAddr") == 0) {
-    return reinterpret_cast<PFN_vkVoidFunction>(device_without_barriers);
-  }
-  return vkGetInstanceProcAddr(instance, name);
+  return replace("vkGetDeviceProcAddr", device_without_barriers, instance, name);
 }
 
 PFN_vkVoidFunction get_proc_addr_without_fill(VkInstance instance, const char* name) {
-  if (std::strcmp(name, "vkGetDeviceProcAddr") == 0) {
-    return reinterpret_cast<PFN_vkVoidFunction>(device_without_fill);
-  }
-  return vkGetInstanceProcAddr(instance, name);
+  return replace("vkGetDeviceProcAddr", device_without_fill, instance, name);
+}
+
+PFN_vkVoidFunction get_proc_addr_of_short_texel_buffers(VkInstance instance, const char* name) {
+  return replace("vkGetPhysicalDeviceProperties", short_texel_buffers, instance, name);
+}
+
+PFN_vkVoidFunction get_proc_addr_of_few_storage_buffers(VkInstance instance, const char* name) {
+  return replace("vkGetPhysicalDeviceProperties", few_storage_buffers, instance, name);
 }
 
 }  // namespace relume::test

@@ -19,7 +19,7 @@ namespace relume::test {
 /// between them.
 class GuardedMemory {
  public:
-  GuardedMemory(const StandaloneDevice& device, VkDeviceSize byte_size);
+  GuardedMemory(const StandaloneDevice& device, VkDeviceSize byte_size, VkBufferUsageFlags usage);
 
   Result<BufferRange> allocate(const BufferRequirement& requirement);
 
@@ -32,6 +32,7 @@ class GuardedMemory {
 
  private:
   DeviceBuffer buffer_;
+  VkBufferUsageFlags usage_;
   std::vector<BufferRange> ranges_;
 };
 
@@ -60,5 +61,11 @@ PFN_vkVoidFunction VKAPI_PTR get_proc_addr_without_barriers(VkInstance instance,
 
 /// One whose devices lack vkCmdFillBuffer.
 PFN_vkVoidFunction VKAPI_PTR get_proc_addr_without_fill(VkInstance instance, const char* name);
+
+/// One whose physical devices have texel buffers of at most 65 536 elements, the least that Vulkan allows.
+PFN_vkVoidFunction VKAPI_PTR get_proc_addr_of_short_texel_buffers(VkInstance instance, const char* name);
+
+/// One whose physical devices let a stage see 4 storage buffers, the least that Vulkan allows.
+PFN_vkVoidFunction VKAPI_PTR get_proc_addr_of_few_storage_buffers(VkInstance instance, const char* name);
 
 }  // namespace relume::test

@@ -19,49 +19,52 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr VkDeviceSize kHostBytes = VkDeviceSize{8} << 20;
+/// So little that most pieces are cut.
+constexpr VkDeviceSize kStagingBytes = 10000;
+constexpr VkDeviceSize kHostBytes = VkDeviceSize{16} << 20;
 
 /// A model on a device: memory with guards, a solver bound to it, and all of its data uploaded.
 class Guest {
  public:
   Guest(StandaloneDevice& device, const HostDevice& host, const Model& model, const Lighting& lighting,
         const SolverOptions& options)
-      : device_(device), model_(model), lighting_(lighting), memory_(device, kHostBytes) {
+      : device_(device), model_(model), lighting_(lighting) {
     auto made = GpuSolver::create(host, model, options);
     EXPECT_TRUE(made) << made.error().message;
     solver_.emplace(std::move(*made));
-    const auto bound =
-        solver_->bind([this](const BufferRequirement& requirement) { return memory_.allocate(requirement); });
+    memory_.emplace(device, kHostBytes, solver_->buffers()[0].usage);
+    const auto bound = solver_->bind(
+        [this](const BufferRequirement& requirement) { return memory_->allocate(requirement); });
     EXPECT_TRUE(bound) << bound.error().message;
     upload(solver_->model_data(model));
     upload(solver_->lighting_data(lighting, {}));
   }
 
   const GpuSolver& solver() const { return *solver_; }
-  const GuardedMemory& memory() const { return memory_; }
+  const GuardedMemory& memory() const { return *memory_; }
 
   DeviceSolution results(std::uint32_t bounces, RadiosityHalf half) const {
     DeviceSolution out;
     out.solution.bounces = bounces;
-    out.solution.radiosity = memory_.read_rgb(solver_->radiosity(half));
+    out.solution.radiosity = memory_->read_rgb(solver_->radiosity(half));
     for (std::uint32_t system = 0; system < model_.systems.size(); ++system) {
-      const std::vector<Rgb> irradiance = memory_.read_rgb(solver_->irradiance(system));
+      const std::vector<Rgb> irradiance = memory_->read_rgb(solver_->irradiance(system));
       out.irradiance.insert(out.irradiance.end(), irradiance.begin(), irradiance.end());
     }
     return out;
   }
 
   testing::AssertionResult correct(std::uint32_t bounces, RadiosityHalf half) const {
-    if (const std::size_t damaged = memory_.damaged_bytes(); damaged > 0) {
+    if (const std::size_t damaged = memory_->damaged_bytes(); damaged > 0) {
       return testing::AssertionFailure() << damaged << " bytes outside of the buffers were written";
     }
     return agrees_with_reference(results(bounces, half), model_, lighting_);
   }
 
  private:
-  /// With so little staging memory that pieces are cut.
   void upload(const UploadData& data) {
-    auto staging = make_device_buffer(device_, 1000, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::upload);
+    auto staging =
+        make_device_buffer(device_, kStagingBytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::upload);
     ASSERT_TRUE(staging) << staging.error().message;
     UploadCursor cursor;
     bool done = false;
@@ -76,7 +79,7 @@ class Guest {
   StandaloneDevice& device_;
   const Model& model_;
   const Lighting& lighting_;
-  GuardedMemory memory_;
+  std::optional<GuardedMemory> memory_;
   std::optional<GpuSolver> solver_;
 };
 
@@ -213,18 +216,23 @@ TEST_F(GuestTest, ADroppedCommandBufferFalsifiesNothing) {
   EXPECT_TRUE(guest.correct(2, half));
 }
 
-TEST_F(GuestTest, EverySlicingGivesTheSameBits) {
-  std::vector<DeviceSolution> solutions;
+TEST_F(GuestTest, EveryKernelFetchAndSlicingGivesTheSameBits) {
+  std::vector<SolverOptions> variants;
   for (const RowKernel kernel : {RowKernel::row_per_thread, RowKernel::row_per_8_lanes}) {
-    for (const std::uint64_t slice : {std::uint64_t{1}, std::uint64_t{333}, std::uint64_t{4'000'000}}) {
-      const Guest guest(device(), device().host(), model_, lighting_, {kernel, slice});
-      RadiosityHalf half{};
-      submit([&](VkCommandBuffer commands) {
-        half = guest.solver().record_bounces(commands, 3, guest.solver().record_start(commands));
-        guest.solver().record_gather(commands, half);
-      });
-      solutions.push_back(guest.results(3, half));
+    for (const MatrixFetch fetch : {MatrixFetch::storage, MatrixFetch::texels}) {
+      for (const std::uint64_t slice : {1, 333, 4'000'000}) variants.push_back({kernel, slice, fetch});
     }
+  }
+  std::vector<DeviceSolution> solutions;
+  for (const SolverOptions& options : variants) {
+    const Guest guest(device(), device().host(), model_, lighting_, options);
+    RadiosityHalf half{};
+    submit([&](VkCommandBuffer commands) {
+      half = guest.solver().record_bounces(commands, 3, guest.solver().record_start(commands));
+      guest.solver().record_gather(commands, half);
+    });
+    solutions.push_back(guest.results(3, half));
+    EXPECT_EQ(guest.memory().damaged_bytes(), 0u);
   }
   ASSERT_TRUE(agrees_with_reference(solutions[0], model_, lighting_));
   for (const DeviceSolution& solution : solutions) {
@@ -305,6 +313,36 @@ TEST_F(GuestTest, AMissingEntryPointIsNamed) {
   ASSERT_FALSE(solver);
   EXPECT_EQ(solver.error().code, ErrorCode::no_device);
   EXPECT_THAT(solver.error().message, HasSubstr("vkCmdFillBuffer"));
+}
+
+TEST_F(GuestTest, ADeviceWithTooFewBindingsIsNamed) {
+  HostDevice host = device().host();
+  host.get_instance_proc_addr = get_proc_addr_of_few_storage_buffers;
+  const auto solver = GpuSolver::create(host, model_, {});
+  ASSERT_FALSE(solver);
+  EXPECT_EQ(solver.error().code, ErrorCode::no_device);
+  EXPECT_THAT(solver.error().message, HasSubstr(device().name()));
+  EXPECT_THAT(solver.error().message,
+              HasSubstr("maxPerStageDescriptorStorageBuffers of at least 14 (it offers 4)"));
+}
+
+TEST_F(GuestTest, ShortTexelBuffersAreNotUsedForLongBlocks) {
+  // 1024 rows of 256 entries.
+  const Model model = furnace_model(1024, 256);
+  const Lighting lighting = random_lighting(model, 5);
+  HostDevice host = device().host();
+  host.get_instance_proc_addr = get_proc_addr_of_short_texel_buffers;
+  const auto refused = GpuSolver::create(host, model, {.fetch = MatrixFetch::texels});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("262144 elements, but the device has at most 65536"));
+
+  const Guest guest(device(), host, model, lighting, {});
+  RadiosityHalf half{};
+  submit([&](VkCommandBuffer commands) {
+    half = guest.solver().record_bounces(commands, 2, guest.solver().record_start(commands));
+    guest.solver().record_gather(commands, half);
+  });
+  EXPECT_TRUE(guest.correct(2, half));
 }
 
 }  // namespace

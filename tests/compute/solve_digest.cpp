@@ -41,12 +41,15 @@ int run() {
     const Model model = random_model({}, 7, {codec, 3000});
     const Lighting lighting = random_lighting(model, 8);
     for (const RowKernel kernel : {RowKernel::row_per_thread, RowKernel::row_per_8_lanes}) {
-      const auto out = solve_on_device(*device, model, lighting, {20, 0.0}, {.kernel = kernel});
-      if (!out) return static_cast<int>(out.error().code);
-      std::uint64_t hash = 0xcbf29ce484222325u;
-      digest(out->solution.radiosity, hash);
-      digest(out->irradiance, hash);
-      std::printf(" %016llx", static_cast<unsigned long long>(hash));
+      for (const MatrixFetch fetch : {MatrixFetch::storage, MatrixFetch::texels}) {
+        const auto out =
+            solve_on_device(*device, model, lighting, {20, 0.0}, {.kernel = kernel, .fetch = fetch});
+        if (!out) return static_cast<int>(out.error().code);
+        std::uint64_t hash = 0xcbf29ce484222325u;
+        digest(out->solution.radiosity, hash);
+        digest(out->irradiance, hash);
+        std::printf(" %016llx", static_cast<unsigned long long>(hash));
+      }
     }
   }
   return 0;
