@@ -51,6 +51,23 @@ inline GridPolygon clip(const GridPolygon& polygon, int axis, double line, bool 
   return result;
 }
 
+/// In cells.
+inline double area(const GridPolygon& polygon) {
+  double twice = 0.0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const glm::dvec2 a = polygon[i].position, b = polygon[(i + 1) % polygon.size()].position;
+    twice += a.x * b.y - b.x * a.y;
+  }
+  return 0.5 * std::abs(twice);
+}
+
+/// Whether a part is no more than what rounding leaves of a contact: slivers would become elements of their
+/// own.
+inline bool negligible(const GridPolygon& part, const GridPolygon& whole) {
+  const double part_area = area(part);
+  return part_area < 1e-4 && part_area < 1e-3 * area(whole);
+}
+
 /// First and last cell of the grid that the polygon reaches into along `axis`. Contact with a line alone does
 /// not count.
 inline std::pair<int, int> cell_range(const GridPolygon& polygon, int axis) {

@@ -31,6 +31,7 @@ void cut_chart(const Geometry& geometry, const Chart& chart, std::uint32_t chart
     constexpr std::array<glm::dvec2, 3> kCorners{glm::dvec2{0, 0}, glm::dvec2{1, 0}, glm::dvec2{0, 1}};
     for (std::size_t k = 0; k < 3; ++k) triangle.push({glm::dvec2(chart.corners[i][k]), kCorners[k]});
     for_each_cell(triangle, [&](int x, int y, const GridPolygon& part) {
+      if (negligible(part, triangle)) return;
       const auto cx =
           std::clamp<std::uint32_t>(std::uint32_t(std::max(x, 0)), 0, chart.width - 1) + position.x;
       const auto cy =

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Possible emitters: small surfaces whose form factors hemisphere rays would estimate badly. They are also
-// sampled over their area, with occlusion rays; both estimates are combined by the balance heuristic (E.
+// sampled over their area, with occlusion rays; both estimates are combined by the power heuristic (E.
 // Veach, L. Guibas, Optimally Combining Sampling Techniques, 1995).
 #pragma once
 

@@ -16,13 +16,14 @@ namespace {
 constexpr int kGridPoints = 32;  ///< along the longest side of the scene
 constexpr int kDirections = 64;
 constexpr double kMaxEscapes = 0.2;
-constexpr double kMaxBackFaces = 0.25;
+constexpr double kMaxBackFaces = 0.5;
 constexpr double kMinEnclosedShare = 0.03;  ///< of the grid, for a scene to have rooms at all
 constexpr std::size_t kMinRoomPoints = 8;
 constexpr double kMinRoomShare = 0.1;  ///< of the enclosed points
 constexpr std::size_t kMaxLights = 32;
 constexpr double kRoomCandela = 1000.0;
 constexpr float kBelowCeiling = 0.3f;
+constexpr double kMostlyOpen = 0.5;
 constexpr double kSunLux = 50000.0;
 constexpr double kSkyRadiance = 1000.0;
 
@@ -122,15 +123,12 @@ std::vector<std::size_t> flood(const EnclosedGrid& grid, const RayCaster& caster
   return room;
 }
 
-/// The rig's place over the points of a room: under its highest ceiling, as near to the middle as that
-/// allows.
-glm::vec3 light_place(const Geometry& geometry, const RayCaster& caster, const EnclosedGrid& grid,
-                      const std::vector<std::size_t>& room) {
+/// Places for a light under the highest ceiling over the points of a room.
+std::vector<glm::vec3> light_places(const Geometry& geometry, const RayCaster& caster,
+                                    const EnclosedGrid& grid, const std::vector<std::size_t>& room) {
   constexpr std::array<glm::vec3, 2> kUpDown{glm::vec3(0, 1, 0), glm::vec3(0, -1, 0)};
-  glm::vec3 middle(0.0f);
-  for (const auto i : room) middle += grid.point(i) / float(room.size());
   struct Place {
-    float ceiling, off_centre;
+    float ceiling;
     glm::vec3 light;
   };
   std::vector<Place> places;
@@ -144,16 +142,69 @@ glm::vec3 light_place(const Geometry& geometry, const RayCaster& caster, const E
     const float height = met[0].distance + below;
     const float drop = height < 2.0f * kBelowCeiling ? 0.5f * height : kBelowCeiling;
     const float ceiling = p.y + met[0].distance;
-    places.push_back(
-        {ceiling, glm::length(glm::vec2(p.x - middle.x, p.z - middle.z)), {p.x, ceiling - drop, p.z}});
+    places.push_back({ceiling, {p.x, ceiling - drop, p.z}});
     highest = std::max(highest, ceiling);
   }
+  std::vector<glm::vec3> lights;
+  for (const Place& place : places) {
+    if (place.ceiling >= highest - 0.5f * grid.step) lights.push_back(place.light);
+  }
+  return lights;
+}
+
+/// Of the places that see nearly as much of the room as the best, the one nearest to its middle.
+glm::vec3 best_place(const EnclosedGrid& grid, const RayCaster& caster, const std::vector<std::size_t>& room,
+                     const std::vector<glm::vec3>& places) {
+  constexpr std::size_t kTries = 64, kLooks = 256;
+  constexpr double kNearly = 0.9;
+  glm::vec3 middle(0.0f);
+  for (const auto i : room) middle += grid.point(i) / float(room.size());
   if (places.empty()) return middle;
-  const float slack = 0.5f * grid.step;
-  std::erase_if(places, [&](const Place& place) { return place.ceiling < highest - slack; });
-  return std::min_element(places.begin(), places.end(),
-                          [](const Place& a, const Place& b) { return a.off_centre < b.off_centre; })
-      ->light;
+  const std::size_t place_step = (places.size() + kTries - 1) / kTries,
+                    look_step = (room.size() + kLooks - 1) / kLooks;
+  struct Tried {
+    glm::vec3 place;
+    std::size_t seen = 0;
+    float off_centre = 0.0f;
+  };
+  std::vector<Tried> tried;
+  std::size_t most = 0;
+  for (std::size_t p = 0; p < places.size(); p += place_step) {
+    Tried t{places[p], 0, glm::length(glm::vec2(places[p].x - middle.x, places[p].z - middle.z))};
+    for (std::size_t i = 0; i < room.size(); i += look_step)
+      t.seen += caster.occluded(places[p], grid.point(room[i])) ? 0u : 1u;
+    most = std::max(most, t.seen);
+    tried.push_back(t);
+  }
+  std::erase_if(tried, [&](const Tried& t) { return double(t.seen) < kNearly * double(most); });
+  const auto nearer = [](const Tried& a, const Tried& b) { return a.off_centre < b.off_centre; };
+  return std::min_element(tried.begin(), tried.end(), nearer)->place;
+}
+
+/// Share of the surface that looks out into the open: more than kMaxEscapes of its hemisphere sees no
+/// geometry.
+double open_share(const Geometry& geometry, const RayCaster& caster) {
+  constexpr std::size_t kPoints = 1024;
+  std::array<glm::vec3, kDirections> directions;
+  double total = 0.0, open = 0.0, next = 0.0;
+  double area = 0.0;
+  for (const float a : geometry.areas) area += a;
+  for (std::uint32_t t = 0; t < geometry.triangles.size(); ++t) {
+    total += geometry.areas[t];
+    for (; next < total; next += area / kPoints) {
+      for (int i = 0; i < kDirections; ++i) {
+        const glm::vec3 d = sphere_direction(i, kDirections);
+        directions[std::size_t(i)] = glm::dot(d, geometry.normals[t]) < 0.0f ? -d : d;
+      }
+      std::array<Met, kDirections> met;
+      look(geometry, caster,
+           geometry.point(t, 1.0f / 3.0f, 1.0f / 3.0f) + geometry.normals[t] * geometry.offset, directions,
+           met);
+      const auto escaped = std::count_if(met.begin(), met.end(), [](const Met& m) { return m.escaped; });
+      open += escaped > kMaxEscapes * kDirections ? 1.0 / kPoints : 0.0;
+    }
+  }
+  return open;
 }
 
 bool scene_shines(const Scene& scene) {
@@ -186,7 +237,7 @@ std::vector<Light> room_lights(const Geometry& geometry, const RayCaster& caster
     // What one light does not see, round a corner, is a room to itself.
     while (room.size() >= kMinRoomPoints && double(room.size()) >= kMinRoomShare * double(enclosed) &&
            lights.size() < kMaxLights) {
-      const glm::vec3 light = light_place(geometry, caster, grid, room);
+      const glm::vec3 light = best_place(grid, caster, room, light_places(geometry, caster, grid, room));
       lights.push_back(rig_light(geometry.origin + glm::dvec3(light), lights.size() + 1));
       if (std::erase_if(room, [&](std::size_t p) { return !caster.occluded(light, grid.point(p)); }) == 0)
         break;
@@ -201,24 +252,24 @@ void light_model(const Scene& scene, const Geometry& geometry, const RayCaster& 
   model.lit_by_rig = !scene_shines(scene);
   if (!model.lit_by_rig) return;
   model.lights = room_lights(geometry, caster);
+  std::string rig;
   if (!model.lights.empty()) {
-    warnings.push_back(
-        fmt::format("{}: no light and no emission; lit by the stated rig: {} point light(s) of {} cd, {} m "
-                    "below the ceiling of each enclosed room",
-                    scene.file_name, model.lights.size(), kRoomCandela, kBelowCeiling));
-    return;
+    rig = fmt::format("{} point light(s) of {} cd, {} m below the ceiling of each enclosed room",
+                      model.lights.size(), kRoomCandela, kBelowCeiling);
   }
-  Light sun;
-  sun.type = LightType::directional;
-  sun.name = "rig sun";
-  sun.intensity = Rgb(kSunLux);
-  sun.direction = -glm::normalize(glm::dvec3(0.4, 1.0, 0.3));
-  model.lights.push_back(sun);
-  model.sky_radiance = Rgb(kSkyRadiance);
+  if (model.lights.empty() || open_share(geometry, caster) > kMostlyOpen) {
+    Light sun;
+    sun.type = LightType::directional;
+    sun.name = "rig sun";
+    sun.intensity = Rgb(kSunLux);
+    sun.direction = -glm::normalize(glm::dvec3(0.4, 1.0, 0.3));
+    model.lights.push_back(sun);
+    model.sky_radiance = Rgb(kSkyRadiance);
+    rig += fmt::format("{}a sky of {} cd/m2 and a sun of {} lx from (0.4, 1, 0.3)", rig.empty() ? "" : ", ",
+                       kSkyRadiance, kSunLux);
+  }
   warnings.push_back(
-      fmt::format("{}: no light and no emission; lit by the stated rig: a sky of {} cd/m2 and a sun of {} lx "
-                  "from (0.4, 1, 0.3)",
-                  scene.file_name, kSkyRadiance, kSunLux));
+      fmt::format("{}: no light and no emission; lit by the stated rig: {}", scene.file_name, rig));
 }
 
 }  // namespace relume

@@ -54,6 +54,7 @@ std::vector<Clump> cut_finely(const Geometry& geometry, const Chart& chart,
       polygon.push({at * double(kSubcells), glm::dvec2(uv)});
     }
     for_each_cell(polygon, [&](int x, int y, const GridPolygon& part) {
+      if (negligible(part, polygon)) return;
       for (std::size_t k = 2; k < part.size(); ++k) {
         const glm::dvec2 a = part[0].barycentric, b = part[k - 1].barycentric, c = part[k].barycentric;
         const double share = std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));

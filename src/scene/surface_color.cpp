@@ -12,9 +12,9 @@ namespace {
 
 using Corners = std::array<glm::vec2, 3>;
 
-constexpr double kSamplesPerTexel = 4.0;
-constexpr double kMinSamples = 4.0;
-constexpr double kMaxSamples = 4096.0;
+constexpr double kSamplesPerTexel = 8.0;
+constexpr double kMinSamples = 16.0;
+constexpr double kMaxSamples = 256.0;
 
 const SceneSurface& surface_of(const Scene& scene, std::uint32_t triangle) {
   const auto after = std::upper_bound(
