@@ -179,7 +179,7 @@ class Parser {
     PrecomputeOptions& options = precompute_.options;
     add_path(command, "SCENE", "", precompute_.scene, "glTF scene (.gltf, .glb)")->required();
     add_path(command, "-o,--output", "FILE", precompute_.output, "The .relume file to write")->required();
-    add_number(command, "--quality", options.quality, kCount, "Rays per lumel (default 512)");
+    add_number(command, "--quality", options.quality, kCount, "Rays per lumel (default 1024)");
     add_number(command, "--sensor-quality", options.sensor_quality, kCount,
                "Rays per sensor (default 16 x quality, at least 4096)");
     add_number(command, "--cluster-size", options.cluster_size, kLength, "Default: about 4 k clusters");
