@@ -58,14 +58,15 @@ Rgb texel_color(const SceneImage& image, const TextureUse& use, const glm::dvec2
 /// One triangle of a scene with all that its colour depends on.
 struct ColoredTriangle {
   const Scene& scene;
+  const SceneSurface& surface;
   const SceneMaterial& material;
   std::array<std::uint32_t, 3> vertices;
 
-  template <class V>
-  V interpolated(const std::vector<V>& values, const glm::dvec2& b) const {
-    using T = typename V::value_type;
-    return static_cast<T>(1.0 - b.x - b.y) * values[vertices[0]] + static_cast<T>(b.x) * values[vertices[1]] +
-           static_cast<T>(b.y) * values[vertices[2]];
+  template <glm::length_t L>
+  glm::vec<L, double> interpolated(const std::vector<glm::vec<L, float>>& values, const glm::dvec2& b) const {
+    using Value = glm::vec<L, double>;
+    return (1.0 - b.x - b.y) * Value(values[vertices[0]]) + b.x * Value(values[vertices[1]]) +
+           b.y * Value(values[vertices[2]]);
   }
 
   glm::dvec2 uv(const TextureUse& use, const glm::dvec2& b) const {
@@ -77,7 +78,7 @@ struct ColoredTriangle {
   }
 
   SurfaceColor at(const glm::dvec2& b) const {
-    const Rgb vertex_color(glm::vec3(interpolated(scene.vertices.colors, b)));
+    const Rgb vertex_color = surface.has_colors ? Rgb(interpolated(scene.vertices.colors, b)) : Rgb(1.0);
     return {material.base_color * vertex_color * texture(material.base_color_texture, b),
             material.emission * texture(material.emission_texture, b)};
   }
@@ -163,9 +164,10 @@ std::uint32_t material_of(const Scene& scene, const System& system, const Cluste
 }  // namespace
 
 SurfaceColor mean_color(const Scene& scene, std::uint32_t triangle, const Corners& corners) {
-  const SceneMaterial& material = scene.materials[surface_of(scene, triangle).material];
+  const SceneSurface& surface = surface_of(scene, triangle);
+  const SceneMaterial& material = scene.materials[surface.material];
   if (material.unlit) return {};
-  const ColoredTriangle colored{scene, material, scene.triangles[triangle]};
+  const ColoredTriangle colored{scene, surface, material, scene.triangles[triangle]};
   if (!material.base_color_texture && !material.emission_texture) {
     const glm::vec2 centroid = (corners[0] + corners[1] + corners[2]) / 3.0f;
     return colored.at(glm::dvec2(centroid));

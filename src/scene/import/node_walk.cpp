@@ -178,7 +178,7 @@ Result<std::vector<glm::dmat4>> instance_transforms(const GltfFile& gltf, std::s
                           fmt::format("lengths {} and {}", count, values->count));
     }
   }
-  std::vector<glm::dmat4> transforms(count, glm::dmat4(1.0));
+  std::vector<glm::dmat4> transforms(std::max<std::uint64_t>(count, 1), glm::dmat4(1.0));
   for (std::size_t i = 0; i < count; ++i) {
     if (translations->count) transforms[i] = glm::translate(transforms[i], vector_at(*translations, i));
     if (rotations->count) {

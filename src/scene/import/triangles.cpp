@@ -9,7 +9,8 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <tuple>
-#include <unordered_set>
+#include <utility>
+#include <vector>
 
 namespace relume {
 namespace {
@@ -51,30 +52,44 @@ Corners canonical(Corners corners) {
   return corners;
 }
 
-struct CornersHash {
-  std::size_t operator()(const Corners& corners) const {
-    return XXH3_64bits(corners.data(), sizeof(Corners));
-  }
-};
+bool is_same(const Scene& scene, std::uint32_t a, std::uint32_t b) {
+  return canonical(corners_of(scene, scene.triangles[a])) == canonical(corners_of(scene, scene.triangles[b]));
+}
 
-/// Which triangles stay.
-std::vector<bool> triangles_to_keep(Scene& scene) {
-  std::vector<bool> keep(scene.triangles.size(), false);
-  std::unordered_set<Corners, CornersHash> seen;
-  seen.reserve(scene.triangles.size());
-  for (std::size_t i = 0; i < keep.size(); ++i) {
+/// Marks triangles that are out of range or flat.
+std::vector<bool> usable_triangles(Scene& scene) {
+  std::vector<bool> usable(scene.triangles.size(), false);
+  for (std::size_t i = 0; i < usable.size(); ++i) {
     const Corners corners = corners_of(scene, scene.triangles[i]);
     if (!is_in_range(corners)) {
       ++scene.dropped.not_finite;
     } else if (!has_area(corners)) {
       ++scene.dropped.without_area;
-    } else if (!seen.insert(canonical(corners)).second) {
-      ++scene.dropped.repeated;
     } else {
-      keep[i] = true;
+      usable[i] = true;
     }
   }
-  return keep;
+  return usable;
+}
+
+/// Takes the mark from every triangle that repeats an earlier one: equal ones stand together once hashes are
+/// sorted.
+void unmark_repeated(Scene& scene, std::vector<bool>& keep) {
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> hashes;
+  for (std::uint32_t i = 0; i < keep.size(); ++i) {
+    if (!keep[i]) continue;
+    const Corners corners = canonical(corners_of(scene, scene.triangles[i]));
+    hashes.emplace_back(XXH3_64bits(corners.data(), sizeof(Corners)), i);
+  }
+  std::sort(hashes.begin(), hashes.end());
+  for (std::size_t i = 1; i < hashes.size(); ++i) {
+    for (std::size_t k = i; k-- > 0 && hashes[k].first == hashes[i].first;) {
+      if (!is_same(scene, hashes[k].second, hashes[i].second)) continue;
+      keep[hashes[i].second] = false;
+      ++scene.dropped.repeated;
+      break;
+    }
+  }
 }
 
 void keep_triangles(const std::vector<bool>& keep, Scene& scene) {
@@ -151,7 +166,8 @@ void append_surface(const MeshPrimitive& primitive, const glm::dmat4& world, std
 }
 
 void drop_bad_triangles(Scene& scene) {
-  const auto keep = triangles_to_keep(scene);
+  auto keep = usable_triangles(scene);
+  unmark_repeated(scene, keep);
   if (std::find(keep.begin(), keep.end(), false) == keep.end()) return;
   keep_triangles(keep, scene);
   keep_used_vertices(scene);
