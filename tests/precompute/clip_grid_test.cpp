@@ -9,15 +9,6 @@
 namespace relume {
 namespace {
 
-double area(const GridPolygon& polygon) {
-  double twice = 0.0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const glm::dvec2 a = polygon[i].position, b = polygon[(i + 1) % polygon.size()].position;
-    twice += a.x * b.y - b.x * a.y;
-  }
-  return 0.5 * std::abs(twice);
-}
-
 GridPolygon triangle(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
   GridPolygon polygon;
   polygon.push({a, {0, 0}});
@@ -74,6 +65,13 @@ TEST(ForEachCell, ASmallTriangleStaysWhole) {
 
 TEST(ForEachCell, TouchingALineDoesNotReachAcrossIt) {
   EXPECT_EQ(areas_by_cell(triangle({0, 0}, {1, 0}, {0, 1})).size(), 1u);
+}
+
+TEST(Negligible, OnlyWhatIsSmallAgainstTheCellAndAgainstTheWhole) {
+  const GridPolygon wall = triangle({0, 0}, {40, 0}, {0, 20}), speck = triangle({0, 0}, {1e-3, 0}, {0, 1e-3});
+  EXPECT_TRUE(negligible(triangle({3, 0}, {3, 1}, {3 + 1e-5, 0}), wall));
+  EXPECT_FALSE(negligible(triangle({3, 0}, {3, 1}, {3.01, 0}), wall));
+  EXPECT_FALSE(negligible(speck, speck));
 }
 
 }  // namespace

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// Small scenes as values, without a file: quads, boxes and spheres, one node and material each.
+// Small scenes as values, without a file: quads, boxes and meshes, one node and material each.
 #pragma once
 
 #include <array>
 #include <glm/geometric.hpp>
 #include <string>
+#include <vector>
 
 #include "scene/scene.h"
 
@@ -35,12 +36,42 @@ class SceneBuilder {
     return end_node();
   }
 
+  /// Several quads as one node.
+  std::uint32_t add_quads(const std::string& node, std::uint32_t material_index,
+                          const std::vector<std::array<glm::dvec3, 4>>& quads) {
+    begin_node(node, material_index);
+    for (const auto& corners : quads) quad(corners);
+    return end_node();
+  }
+
   /// All six faces look outwards, or inwards (a room).
   enum class Facing { outward, inward };
   std::uint32_t add_box(const std::string& node, std::uint32_t material_index, const glm::dvec3& lower,
                         const glm::dvec3& upper, Facing facing) {
     begin_node(node, material_index);
     for (const auto& face : box_faces(lower, upper, facing)) quad(face);
+    return end_node();
+  }
+
+  /// A box that stands on something: without its bottom.
+  std::uint32_t add_standing_box(const std::string& node, std::uint32_t material_index,
+                                 const glm::dvec3& lower, const glm::dvec3& upper) {
+    begin_node(node, material_index);
+    const auto faces = box_faces(lower, upper, Facing::outward);
+    for (std::size_t f = 0; f < 6; ++f) {
+      if (f != 2) quad(faces[f]);
+    }
+    return end_node();
+  }
+
+  /// Corners of `triangles` counter-clockwise seen from the front.
+  std::uint32_t add_triangles(const std::string& node, std::uint32_t material_index,
+                              const std::vector<glm::dvec3>& positions,
+                              const std::vector<std::array<std::uint32_t, 3>>& triangles) {
+    begin_node(node, material_index);
+    const auto first = std::uint32_t(scene_.vertices.positions.size());
+    for (const auto& position : positions) vertex(position);
+    for (const auto& t : triangles) scene_.triangles.push_back({first + t[0], first + t[1], first + t[2]});
     return end_node();
   }
 
@@ -80,14 +111,16 @@ class SceneBuilder {
                                std::uint32_t(scene_.triangles.size()), 0, false, false, false});
   }
 
+  void vertex(const glm::dvec3& position) {
+    scene_.vertices.positions.push_back(position);
+    scene_.vertices.uv0.emplace_back(0.0f);
+    scene_.vertices.uv1.emplace_back(0.0f);
+    scene_.vertices.colors.emplace_back(1.0f);
+  }
+
   void quad(const std::array<glm::dvec3, 4>& corners) {
     const auto first = std::uint32_t(scene_.vertices.positions.size());
-    for (const auto& corner : corners) {
-      scene_.vertices.positions.push_back(corner);
-      scene_.vertices.uv0.emplace_back(0.0f);
-      scene_.vertices.uv1.emplace_back(0.0f);
-      scene_.vertices.colors.emplace_back(1.0f);
-    }
+    for (const auto& corner : corners) vertex(corner);
     scene_.triangles.push_back({first, first + 1, first + 2});
     scene_.triangles.push_back({first, first + 2, first + 3});
   }
