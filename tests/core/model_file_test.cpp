@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
-#include <fstream>
+#include <random>
 
+#include "core/reference_solver.h"
 #include "core/section_table.h"
 #include "support/tiny_model.h"
 
@@ -195,6 +197,33 @@ TEST(ModelFile, WellFormedFilesThatBreakAPromiseAreAFailedCheck) {
   EXPECT_EQ(read.error().code, ErrorCode::check_failed);
   EXPECT_EQ(read.error().message,
             "rewritten: model: system 0, cluster 0: expected an area above 0, found nan");
+}
+
+TEST(ModelFile, WhateverPassesTheChecksIsSafeToUse) {
+  // Numbers of random sections replaced by extremes, under right checksums: refused, or a model that can be
+  // solved.
+  std::mt19937_64 random(17);
+  const std::array<std::uint32_t, 8> extremes{0u,          1u,          2u,          0x7fffffffu,
+                                              0xffffffffu, 0x7f800000u, 0x3f800000u, 0x80000000u};
+  int accepted = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    std::uint64_t target = random() % 40;
+    const auto read = rewritten([&](SectionWriter& file, const std::string& id, std::uint32_t owner,
+                                    std::vector<std::byte>& content) {
+      if (target-- == 0 && content.size() >= 4) {
+        patch(content, random() % (content.size() / 4) * 4, extremes[random() % extremes.size()]);
+      }
+      file.add(id, owner, content);
+    });
+    if (!read) continue;
+    ++accepted;
+    const ReferenceMatrices matrices = reference_matrices(*read);
+    const auto solution = solve_reference(matrices.bounce, stored_lighting(*read), {3, 0.0});
+    ASSERT_TRUE(solution) << solution.error().message;
+    for (const Rgb& b : solution->radiosity) ASSERT_TRUE(std::isfinite(b.x + b.y + b.z));
+  }
+  EXPECT_GT(accepted, 100) << "some replacements are harmless";
+  EXPECT_LT(accepted, 19000) << "most are not, and sections are met";
 }
 
 TEST(ModelFile, ReadsWhatWasWritten) {
