@@ -64,7 +64,8 @@ std::vector<SensorPoint> read_sensors(const std::filesystem::path& file) {
 
 std::vector<FactorTruth> read_factor_truth(const std::filesystem::path& file) {
   std::vector<FactorTruth> cases;
-  for (const json& item : read_json(file).at("cases")) {
+  const json data = read_json(file);
+  for (const json& item : data.at("cases")) {
     FactorTruth one;
     one.name = item.at("case").get<std::string>();
     one.mesh = item.at("mesh").get<std::string>();

@@ -4,8 +4,10 @@
 // compare_truth.py.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <numeric>
 
 #include "precompute/surface_factors.h"
 #include "scene/load_scene.h"
@@ -135,6 +137,37 @@ TEST_F(Truth, SealedRoomStaysDark) {
   const double lit = sums[0] / (3.0 * counts[0]);
   EXPECT_LT(sums[1] / (3.0 * counts[1]), 1e-4 * lit);
   EXPECT_LT(largest, 1e-4 * lit);
+}
+
+TEST_F(Truth, FormFactorsBetweenSurfaces) {
+  const auto cases = read_factor_truth(folder_ / "form_factors.json");
+  ASSERT_FALSE(cases.empty());
+  for (const FactorTruth& one : cases) {
+    const auto scene = load_scene(folder_ / one.mesh);
+    ASSERT_TRUE(scene) << scene.error().message;
+    const auto found = surface_factors(*scene, FactorGrouping::node, 1u << 21);
+    ASSERT_TRUE(found) << found.error().message;
+    const auto index = [&](const std::string& name) {
+      const auto at = std::find(found->surfaces.begin(), found->surfaces.end(), name);
+      if (at == found->surfaces.end()) throw std::runtime_error(one.name + ": no surface " + name);
+      return std::size_t(at - found->surfaces.begin());
+    };
+    for (const auto& pair : one.pairs) {
+      const std::size_t i = index(pair.from), j = index(pair.to);
+      const double factor = found->factors[i][j];
+      EXPECT_NEAR(factor, pair.value, std::max(5e-4, 0.005 * pair.value))
+          << one.name << ' ' << pair.from << ' ' << pair.to;
+      const double error = std::hypot(found->areas[i] * found->standard_error[i][j],
+                                      found->areas[j] * found->standard_error[j][i]);
+      EXPECT_LE(std::abs(found->areas[i] * factor - found->areas[j] * found->factors[j][i]),
+                4.0 * error + 1e-12)
+          << one.name << ' ' << pair.from << ' ' << pair.to;
+    }
+    for (const std::string& name : one.closed_rows) {
+      const auto& row = found->factors[index(name)];
+      EXPECT_NEAR(std::accumulate(row.begin(), row.end(), 0.0), 1.0, 1e-12) << one.name << ' ' << name;
+    }
+  }
 }
 
 }  // namespace
