@@ -13,7 +13,7 @@ namespace relume {
 /// reference, max over this output.
 struct Comparison {
   std::string name;
-  std::size_t count = 0;
+  std::size_t count = 0;  ///< entries; errors are three times as many
   double max_relative_error = 0.0;
   double rms_relative_error = 0.0;
   double max_absolute_error = 0.0;
@@ -24,7 +24,7 @@ struct Comparison {
   std::array<std::size_t, 12> histogram{};  ///< errors in [10^-(k+1), 10^-k) at k = 0..10 (k = 0 also holds larger ones), smaller in the last
 };
 
-/// Spans of equal length. A value that is not finite counts as an infinite error.
+/// Spans of equal length. A value that is not finite counts as an infinite error, and so does any light where all of the reference is dark.
 Comparison compare(std::string name, std::span<const Rgb> values, std::span<const Rgb> reference);
 
 }  // namespace relume

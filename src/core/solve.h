@@ -42,8 +42,8 @@ struct StopRule {
 struct Solution {
   std::vector<Rgb> radiosity;      ///< B per cluster
   std::uint32_t bounces = 0;
-  double relative_residual = 0.0;  ///< max |r| / max |B|, r: the change that the last bounce made
-  double error_bound = 0.0;        ///< bound on max |B - B_exact| / max |B|; see ContractionBound
+  double relative_residual = 0.0;  ///< max |r| / max |B|, r: the change that the last bounce made (the next, after 0 bounces)
+  double error_bound = 0.0;        ///< bound on max |B - B_exact| / max |B|, rounding included, the worst channel; see ContractionBound
 };
 
 /// The sharp bound on what remains after any number of bounces. With weights v > 0 and q = max_i (rho K_c v)_i / v_i < 1, per channel,
