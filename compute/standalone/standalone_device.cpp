@@ -163,7 +163,11 @@ Result<void> StandaloneDevice::State::wait(double timeout_seconds) {
   const auto nanoseconds = static_cast<std::uint64_t>(std::llround(timeout_seconds * 1e9));
   VkFence done = fence.get();
   const VkResult waited = vkWaitForFences(device.get(), 1, &done, VK_TRUE, nanoseconds);
-  if (waited != VK_SUCCESS) lost = true;
+  if (waited != VK_SUCCESS) {
+    lost = true;
+    // Whoever gets the error frees what the commands still use.
+    vkDeviceWaitIdle(device.get());
+  }
   if (auto finished = check_vulkan(waited, "waiting for the device '" + name + "'"); !finished)
     return finished;
   return check_vulkan(vkResetFences(device.get(), 1, &done), "resetting a fence");
@@ -182,10 +186,7 @@ StandaloneDevice::StandaloneDevice(std::unique_ptr<State> state) : state_(std::m
 StandaloneDevice::StandaloneDevice(StandaloneDevice&&) noexcept = default;
 StandaloneDevice& StandaloneDevice::operator=(StandaloneDevice&&) noexcept = default;
 
-StandaloneDevice::~StandaloneDevice() {
-  // What still runs after a wait that ran out must end before its objects go.
-  if (state_ != nullptr && state_->device != nullptr) vkDeviceWaitIdle(state_->device.get());
-}
+StandaloneDevice::~StandaloneDevice() = default;
 
 Result<StandaloneDevice> StandaloneDevice::create(const StandaloneOptions& options) {
   auto log = std::make_unique<ValidationLog>();

@@ -54,8 +54,8 @@ class StandaloneDevice {
   /// What validation said so far, one message each. Nothing is printed.
   std::vector<std::string> validation_messages() const;
 
-  /// Records one command buffer, submits it and waits, at most `timeout_seconds`. After a lost device or a
-  /// wait that ran out, every further submission is refused (no_device).
+  /// Records one command buffer, submits it and waits until it has run. After a lost device, or when that
+  /// took longer than `timeout_seconds`, this and every further submission fails with no_device.
   Result<SubmitTimes> submit(const std::function<void(VkCommandBuffer)>& record,
                              double timeout_seconds = 60.0);
 

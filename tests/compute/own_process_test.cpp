@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// The same bits at every subgroup width and from every kernel. Mesa's software driver has the width of its
-// vectors, which its environment sets; other drivers ignore that, and all runs have one width.
+// What needs a process of its own. The same bits at every subgroup width and from every kernel: Mesa's
+// software driver has the width of its vectors, which its environment sets; other drivers ignore that, and
+// all runs have one width.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "core/result.h"
+
 namespace relume::test {
 namespace {
 
@@ -22,10 +25,8 @@ struct DigestRun {
   std::vector<std::string> digests;  ///< four of f32, then four of unorm16
 };
 
-DigestRun run_with_vectors_of(int bits) {
-  // The driver's cache of compiled kernels does not know the width.
-  const std::string command = "MESA_SHADER_CACHE_DISABLE=1 LP_NATIVE_VECTOR_WIDTH=" + std::to_string(bits) +
-                              " " + std::string(RELUME_SOLVE_DIGEST) + " 2>&1";
+DigestRun run_with(const std::string& environment) {
+  const std::string command = environment + " " + RELUME_SOLVE_DIGEST + " 2>/dev/null";
   DigestRun run;
   FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) return run;
@@ -46,7 +47,9 @@ TEST(SubgroupWidth, ChangesNoBit) {
   std::set<std::string> f32;
   std::set<std::string> unorm16;
   for (const int bits : {128, 256, 512}) {
-    const DigestRun run = run_with_vectors_of(bits);
+    // The driver's cache of compiled kernels does not know the width.
+    const DigestRun run =
+        run_with("MESA_SHADER_CACHE_DISABLE=1 LP_NATIVE_VECTOR_WIDTH=" + std::to_string(bits));
     if (run.status == 4) GTEST_SKIP() << "no usable Vulkan device";
     ASSERT_EQ(run.status, 0);
     widths.insert(run.subgroup_size);
@@ -59,6 +62,11 @@ TEST(SubgroupWidth, ChangesNoBit) {
   EXPECT_EQ(unorm16.size(), 1u) << testing::PrintToString(unorm16);
   EXPECT_NE(*f32.begin(), *unorm16.begin());
   EXPECT_EQ(f32.begin()->size(), 16u);
+}
+
+TEST(NoDriver, GivesNoDevice) {
+  const DigestRun run = run_with("VK_ICD_FILENAMES=/dev/null VK_DRIVER_FILES=/dev/null");
+  EXPECT_EQ(run.status, static_cast<int>(ErrorCode::no_device));
 }
 
 }  // namespace
