@@ -3,11 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 
 #include "scene/import/import_error.h"
+#include "scene/import/json_access.h"
 #include "scene/import/meshopt_decode.h"
 #include "scene/import/scene_folder.h"
 
@@ -26,23 +26,6 @@ struct Source {
   const SceneLimits& limits;
   std::string name;
 };
-
-const Json& array_of(const Json& document, const char* name) {
-  static const Json empty = Json::array();
-  const auto member = document.find(name);
-  return member == document.end() ? empty : *member;
-}
-
-std::size_t size_of(const Json& object, const char* name) {
-  return object.value(name, std::size_t{0});
-}
-
-const Json* extension_of(const Json& object, const char* name) {
-  const auto extensions = object.find("extensions");
-  if (extensions == object.end()) return nullptr;
-  const auto extension = extensions->find(name);
-  return extension == extensions->end() ? nullptr : &*extension;
-}
 
 /// What may still be taken: the limit holds for all that a scene file makes us read or unpack, so that many
 /// names of one file do not add up.

@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <string_view>
 #include <vector>
 
 #include "scene/import/import_error.h"
+#include "scene/import/json_access.h"
 
 namespace relume {
 namespace {
@@ -17,16 +17,6 @@ using Json = nlohmann::json;
 using Size = std::uint64_t;
 
 constexpr Size kNoParent = ~Size{0};
-
-const Json& array_of(const Json& document, const char* name) {
-  static const Json empty = Json::array();
-  const auto member = document.find(name);
-  return member == document.end() ? empty : *member;
-}
-
-Size size_of(const Json& object, const char* name) {
-  return object.value(name, Size{0});
-}
 
 Size component_bytes(Size component_type) {
   switch (component_type) {
@@ -59,9 +49,9 @@ Result<void> check_span(Size offset, Size length, Size available, const std::str
 
 Result<void> check_compressed_view(const Json& view, const Json& buffers, const std::string& file,
                                    const std::string& place) {
-  const auto extensions = view.find("extensions");
-  if (extensions == view.end() || !extensions->contains("EXT_meshopt_compression")) return {};
-  const Json& packed = (*extensions)["EXT_meshopt_compression"];
+  const Json* extension = extension_of(view, "EXT_meshopt_compression");
+  if (!extension) return {};
+  const Json& packed = *extension;
   const std::string packed_place = place + "/extensions/EXT_meshopt_compression";
   const Size decoded = size_of(packed, "count") * size_of(packed, "byteStride");
   if (decoded != size_of(view, "byteLength")) {
@@ -129,8 +119,7 @@ Result<void> check_primitive(const Json& primitive, const Json& accessors, const
     const Json& accessor = accessors[size_of(holder, name)];
     return accessor.contains("bufferView") || accessor.contains("sparse");
   };
-  const bool is_packed =
-      primitive.contains("extensions") && primitive["extensions"].contains("KHR_draco_mesh_compression");
+  const bool is_packed = extension_of(primitive, "KHR_draco_mesh_compression") != nullptr;
   if (is_packed && !has_data(attributes, "POSITION")) {
     return import_error(file, place + "/extensions",
                         "triangles that are not packed, or by EXT_meshopt_compression",
