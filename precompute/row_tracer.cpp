@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 
 #include "core/quantities.h"
 #include "core/sky.h"
+#include "precompute/hemisphere_rays.h"
 
 namespace relume {
 namespace {
@@ -20,24 +20,11 @@ glm::vec3 direction_of(const RayPacket& packet, int lane) {
   return {packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]};
 }
 
-void set_ray(RayPacket& packet, int lane, const glm::vec3& origin, const glm::vec3& direction) {
-  packet.origin_x[lane] = origin.x, packet.origin_y[lane] = origin.y, packet.origin_z[lane] = origin.z;
-  packet.direction_x[lane] = direction.x, packet.direction_y[lane] = direction.y,
-  packet.direction_z[lane] = direction.z;
-  packet.near[lane] = 0.0f;
-  packet.far[lane] = std::numeric_limits<float>::infinity();
-}
-
 /// Of a sample that one technique draws with `own` density and the other with `other`: the power heuristic of
 /// exponent 2. The balance heuristic would leave a small lamp's few hits by rays a share, and all of their
 /// noise.
 double weight(double own, double other) {
   return own * own / (own * own + other * other);
-}
-
-void set_unused(RayPacket& packet, int lane) {
-  set_ray(packet, lane, glm::vec3(0.0f), glm::vec3(0.0f, 0.0f, 1.0f));
-  packet.far[lane] = -1.0f;
 }
 
 }  // namespace
@@ -64,24 +51,12 @@ TracedRow RowTracer::trace(const Receiver& receiver, const SobolPoints& points) 
 RowTracer::Totals RowTracer::trace_hemisphere(const Receiver& receiver, const SobolPoints& points,
                                               std::uint64_t key) {
   Totals totals;
-  RayPacket packet;
-  std::array<glm::vec3, kPacketSize> normals;
+  HemispherePacket packet;
   for (std::uint32_t first = 0; first < points.count(); first += kPacketSize) {
+    fill_packet(scene_.geometry, scene_.caster, receiver, points, key, first, packet);
+    scene_.caster.closest_hits(packet.rays);
     for (int lane = 0; lane < kPacketSize; ++lane) {
-      set_unused(packet, lane);
-      if (first + std::uint32_t(lane) >= points.count()) continue;
-      const SamplePoint s = points.scrambled(first + std::uint32_t(lane), key);
-      const SurfacePoint origin = receiver.sample(scene_.geometry, s[2], s[3]);
-      if (!receiver.owns(scene_.geometry, scene_.caster, origin)) continue;
-      normals[lane] = origin.normal;
-      set_ray(packet, lane, origin.position + origin.normal * scene_.geometry.offset,
-              frame_about(origin.normal).to_world(cosine_direction(s[0], s[1])));
-    }
-    std::array<bool, kPacketSize> used;
-    for (int lane = 0; lane < kPacketSize; ++lane) used[lane] = packet.far[lane] > 0.0f;
-    scene_.caster.closest_hits(packet);
-    for (int lane = 0; lane < kPacketSize; ++lane) {
-      if (used[lane]) count_hit(packet, lane, normals[lane], points.count(), totals);
+      if (packet.used[lane]) count_hit(packet.rays, lane, packet.normals[lane], points.count(), totals);
     }
   }
   return totals;
