@@ -2,6 +2,7 @@
 #include "core/block_matrix.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -13,9 +14,8 @@ namespace relume {
 namespace {
 
 struct EncodedRow {
-  std::vector<std::uint16_t> columns;
-  std::vector<std::byte> values;
-  std::vector<double> unscaled;  ///< what the stored codes stand for
+  std::vector<std::uint32_t> codes;  ///< one per value; f32: the bits of the float
+  std::vector<double> unscaled;      ///< what the codes stand for
   float scale = 1.0f;
 };
 
@@ -24,27 +24,39 @@ float round_down_to_float(double value) {
   return static_cast<double>(rounded) > value ? std::nextafter(rounded, 0.0f) : rounded;
 }
 
-template <class Code>
-void push_code(EncodedRow& row, std::uint16_t column, Code code, double unscaled) {
-  const std::size_t offset = row.values.size();
-  row.columns.push_back(column);
-  row.values.resize(offset + sizeof code);
-  std::memcpy(row.values.data() + offset, &code, sizeof code);
+void push_code(EncodedRow& row, std::uint32_t code, double unscaled) {
+  row.codes.push_back(code);
   row.unscaled.push_back(unscaled);
 }
 
-void push_value(EncodedRow& row, ValueCodec codec, std::uint16_t column, double value, double row_max) {
-  if (codec == ValueCodec::f32) {
-    const float stored = static_cast<float>(value);
-    if (stored >= std::numeric_limits<float>::min()) push_code(row, column, stored, stored);
-  } else if (codec == ValueCodec::unorm16) {
-    const auto code = static_cast<std::uint16_t>(std::lround(value / row_max * kUnorm16Max));
-    if (code > 0) push_code(row, column, code, code / kUnorm16Max);
-  } else {
-    const auto code = static_cast<std::uint8_t>(std::lround(std::sqrt(value / row_max) * kSqrt8Max));
-    const double root = code / kSqrt8Max;
-    if (code > 0) push_code(row, column, code, root * root);
-  }
+void push_f32(EncodedRow& row, double value) {
+  const float stored = static_cast<float>(value);
+  const float kept = stored >= std::numeric_limits<float>::min() ? stored : 0.0f;
+  push_code(row, std::bit_cast<std::uint32_t>(kept), kept);
+}
+
+void push_unorm16(EncodedRow& row, double share) {
+  const auto code = static_cast<std::uint32_t>(std::lround(share * kUnorm16Max));
+  push_code(row, code, code / kUnorm16Max);
+}
+
+double square(double value) {
+  return value * value;
+}
+
+/// Of the two codes around `share`, the one that leaves the smaller error of the sum so far: neighbours in a
+/// row make up for each other, where rounding each to the nearest would shift the balance of the row. Zero
+/// stays zero.
+void push_sqrt8(EncodedRow& row, double share, double& error) {
+  if (share <= 0.0) return push_code(row, 0, 0.0);
+  const double below = std::floor(std::sqrt(share) * kSqrt8Max);
+  const double above = std::min(below + 1.0, kSqrt8Max);
+  const double error_below = error + square(below / kSqrt8Max) - share;
+  const double error_above = error + square(above / kSqrt8Max) - share;
+  const bool up = std::abs(error_above) < std::abs(error_below);
+  error = up ? error_above : error_below;
+  const double code = up ? above : below;
+  push_code(row, static_cast<std::uint32_t>(code), square(code / kSqrt8Max));
 }
 
 /// The larger of the sums of the row decoded in double and in f32.
@@ -60,27 +72,69 @@ double decoded_sum(const EncodedRow& row, float scale) {
 
 /// The largest scale (for f32: at most 1) whose decoded sum stays at or below `target`.
 float repaired_scale(const EncodedRow& row, ValueCodec codec, double target) {
-  if (row.columns.empty()) return 1.0f;
+  const double sum = std::accumulate(row.unscaled.begin(), row.unscaled.end(), 0.0);
+  if (sum <= 0.0) return 1.0f;
   if (codec == ValueCodec::f32 && decoded_sum(row, 1.0f) <= target) return 1.0f;
-  float scale = round_down_to_float(target / std::accumulate(row.unscaled.begin(), row.unscaled.end(), 0.0));
+  float scale = round_down_to_float(target / sum);
   while (scale > 0.0f && decoded_sum(row, scale) > target) scale = std::nextafter(scale, 0.0f);
   return scale;
 }
 
-EncodedRow encode_row(std::span<const std::uint16_t> columns, std::span<const double> values,
-                      ValueCodec codec) {
+EncodedRow encode_row(std::span<const double> values, ValueCodec codec) {
   EncodedRow row;
-  const double row_max = values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
-  if (row_max < std::numeric_limits<float>::min()) return row;
-  for (std::size_t k = 0; k < columns.size(); ++k) push_value(row, codec, columns[k], values[k], row_max);
+  double row_max = values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
+  const bool dark = row_max < std::numeric_limits<float>::min();
+  double error = 0.0;
+  for (const double value : values) {
+    if (dark || codec == ValueCodec::f32) {
+      push_f32(row, dark ? 0.0 : value);
+    } else if (codec == ValueCodec::unorm16) {
+      push_unorm16(row, value / row_max);
+    } else {
+      push_sqrt8(row, value / row_max, error);
+    }
+  }
   const double target = std::min(1.0, std::accumulate(values.begin(), values.end(), 0.0));
   row.scale = repaired_scale(row, codec, target);
   return row;
 }
 
-std::size_t row_bytes(const EncodedRow& row) {
-  return sizeof(std::uint32_t) + row.columns.size() * sizeof(std::uint16_t) + row.values.size() +
-         sizeof(float);
+void append_code(std::vector<std::byte>& values, ValueCodec codec, std::uint32_t code) {
+  static_assert(std::endian::native == std::endian::little);
+  const auto bytes = std::as_bytes(std::span(&code, 1)).first(value_bytes(codec));
+  values.insert(values.end(), bytes.begin(), bytes.end());
+}
+
+/// The rows of a tile, encoded, and which of its columns any of them needs.
+struct EncodedTile {
+  std::vector<EncodedRow> rows;
+  std::vector<std::size_t> entries;
+};
+
+EncodedTile encode_tile(std::size_t row_count, std::size_t column_count, std::span<const double> values,
+                        ValueCodec codec) {
+  EncodedTile tile;
+  for (std::size_t row = 0; row < row_count; ++row)
+    tile.rows.push_back(encode_row(values.subspan(row * column_count, column_count), codec));
+  for (std::size_t entry = 0; entry < column_count; ++entry) {
+    const auto uses = [entry](const EncodedRow& row) { return row.codes[entry] != 0; };
+    if (std::any_of(tile.rows.begin(), tile.rows.end(), uses)) tile.entries.push_back(entry);
+  }
+  return tile;
+}
+
+std::size_t tile_bytes(const EncodedTile& tile, std::uint32_t tile_rows, ValueCodec codec) {
+  return sizeof(std::uint32_t) +
+         tile.entries.size() * (sizeof(std::uint16_t) + tile_rows * value_bytes(codec)) +
+         tile.rows.size() * sizeof(float);
+}
+
+/// Appends to the values of a block; the last tile is filled up with zeros.
+void append_values(const EncodedTile& tile, MatrixBlock& block) {
+  for (const std::size_t entry : tile.entries) {
+    for (std::size_t lane = 0; lane < block.tile_rows; ++lane)
+      append_code(block.values, block.codec, lane < tile.rows.size() ? tile.rows[lane].codes[entry] : 0u);
+  }
 }
 
 }  // namespace
@@ -108,23 +162,39 @@ BlockMatrixBuilder::BlockMatrixBuilder(std::uint32_t columns, ValueCodec codec, 
 }
 
 void BlockMatrixBuilder::append_row(std::span<const std::uint16_t> columns, std::span<const double> values) {
-  assert(columns.size() == values.size());
-  const EncodedRow row = encode_row(columns, values, codec_);
-  const bool full =
-      matrix_.blocks.empty() || block_bytes(matrix_.blocks.back()) + row_bytes(row) > max_block_bytes_;
-  if (full) {
+  append(columns, values, 1, 1);
+}
+
+void BlockMatrixBuilder::append_tile(std::span<const std::uint16_t> columns, std::span<const double> values,
+                                     std::uint32_t row_count) {
+  append(columns, values, row_count, 8);
+}
+
+void BlockMatrixBuilder::append(std::span<const std::uint16_t> columns, std::span<const double> values,
+                                std::uint32_t row_count, std::uint32_t tile_rows) {
+  assert(columns.size() * row_count == values.size() && row_count >= 1 && row_count <= tile_rows);
+  const EncodedTile tile = encode_tile(row_count, columns.size(), values, codec_);
+  if (!fits(tile_rows, tile_bytes(tile, tile_rows, codec_))) {
     MatrixBlock& fresh = matrix_.blocks.emplace_back();
     fresh.first_row = matrix_.rows;
+    fresh.tile_rows = tile_rows;
     fresh.codec = codec_;
     fresh.tile_offsets.push_back(0);
   }
   MatrixBlock& block = matrix_.blocks.back();
-  block.columns.insert(block.columns.end(), row.columns.begin(), row.columns.end());
-  block.values.insert(block.values.end(), row.values.begin(), row.values.end());
+  for (const std::size_t entry : tile.entries) block.columns.push_back(columns[entry]);
+  append_values(tile, block);
   block.tile_offsets.push_back(static_cast<std::uint32_t>(block.columns.size()));
-  block.row_scales.push_back(row.scale);
-  ++block.row_count;
-  ++matrix_.rows;
+  for (const EncodedRow& row : tile.rows) block.row_scales.push_back(row.scale);
+  block.row_count += row_count;
+  matrix_.rows += row_count;
+}
+
+bool BlockMatrixBuilder::fits(std::uint32_t tile_rows, std::size_t bytes) const {
+  if (matrix_.blocks.empty()) return false;
+  const MatrixBlock& block = matrix_.blocks.back();
+  return block.tile_rows == tile_rows && block.row_count % tile_rows == 0 &&
+         block_bytes(block) + bytes <= max_block_bytes_;
 }
 
 BlockMatrix BlockMatrixBuilder::finish() && {

@@ -72,18 +72,29 @@ struct MatrixSummary {
 /// Bytes of the four arrays of a block.
 std::size_t block_bytes(const MatrixBlock& block);
 
-/// Appends rows one by one and cuts blocks at `max_block_bytes`. Tiles of R = 1.
+/// Appends rows and tiles one by one and cuts blocks at `max_block_bytes`, where R changes, and after a tile that is partly
+/// empty. Codes of sqrt8 are chosen so that errors of neighbouring columns make up for each other: best when columns that
+/// follow each other stand for senders that lie side by side.
 class BlockMatrixBuilder {
  public:
   BlockMatrixBuilder(std::uint32_t columns, ValueCodec codec, std::size_t max_block_bytes = kMaxBlockBytes);
 
   /// `columns` ascending and below the matrix's column count, `values` finite, >= 0 and summing to <= 1 up to
-  /// rounding, of equal length. Zero values are not stored.
+  /// rounding, of equal length. Zero values are not stored. A tile of R = 1.
   void append_row(std::span<const std::uint16_t> columns, std::span<const double> values);
+
+  /// A tile of R = 8 of 1 to 8 rows that share `columns`: value of row r and column entry c at [r * columns.size() + c], of each
+  /// row as above. Columns that are zero for all rows are not stored.
+  void append_tile(std::span<const std::uint16_t> columns, std::span<const double> values, std::uint32_t row_count);
 
   BlockMatrix finish() &&;
 
  private:
+  void append(std::span<const std::uint16_t> columns, std::span<const double> values, std::uint32_t row_count,
+              std::uint32_t tile_rows);
+  /// Whether a tile of so many bytes may follow in the last block.
+  bool fits(std::uint32_t tile_rows, std::size_t bytes) const;
+
   BlockMatrix matrix_;
   ValueCodec codec_;
   std::size_t max_block_bytes_;

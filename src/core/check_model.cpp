@@ -104,6 +104,7 @@ Result<void> check_globals(const Model& model) {
   for (std::size_t index = 0; index < model.lights.size(); ++index) {
     if (auto checked = check_light(model.lights[index], index); !checked) return checked;
   }
+  if (auto checked = check_tree(model.sky_tree, model.sky_cells.size(), "sky"); !checked) return checked;
   if (model.sky_radiance && !non_negative(*model.sky_radiance))
     return broken_model("expected a finite sky radiance >= 0");
   return model.camera ? check_camera(*model.camera) : Result<void>{};
@@ -164,14 +165,14 @@ Result<void> check_occluders(const Model& model) {
 
 /// Numbers over all systems fit 32 bits.
 Result<void> check_totals(const Model& model) {
-  std::uint64_t clusters = model.sky_cells.size();
+  std::uint64_t senders = model.sky_cells.size() + model.sky_tree.size();
   std::uint64_t gather_rows = 0;
   for (const System& system : model.systems) {
-    clusters += system.clusters.size();
+    senders += system.clusters.size() + system.tree.size();
     gather_rows += system.lumels.size() + system.sensors.size();
   }
-  if (clusters < kNone && gather_rows < kNone) return {};
-  return broken_model("expected fewer than 2^32 - 1 senders and gather rows, found {} and {}", clusters,
+  if (senders < kNone && gather_rows < kNone) return {};
+  return broken_model("expected fewer than 2^32 - 1 senders and gather rows, found {} and {}", senders,
                       gather_rows);
 }
 

@@ -209,9 +209,10 @@ Result<void> check_imports(const SystemPlace& at) {
                           index, at.model.systems.size(), sender.system);
     }
     const std::size_t limit =
-        sky ? at.model.sky_cells.size() : at.model.systems[sender.system].clusters.size();
+        sky ? at.model.sky_cells.size() + at.model.sky_tree.size()
+            : at.model.systems[sender.system].clusters.size() + at.model.systems[sender.system].tree.size();
     if (sender.index >= limit) {
-      return broken_model("system {}, import {}: expected a {} below {}, found {}", at.index, index,
+      return broken_model("system {}, import {}: expected a {} or node below {}, found {}", at.index, index,
                           sky ? "sky patch" : "cluster", limit, sender.index);
     }
     senders.emplace_back(sender.system, sender.index);
@@ -232,12 +233,27 @@ Result<void> check_matrix(const SystemPlace& at, const BlockMatrix& matrix, cons
 
 }  // namespace
 
+Result<void> check_tree(const std::vector<TreeNode>& tree, std::size_t leaves, const std::string& owner) {
+  for (std::size_t index = 0; index < tree.size(); ++index) {
+    const TreeNode& node = tree[index];
+    if (node.count >= 2 && std::uint64_t{node.first} + node.count <= leaves) continue;
+    return broken_model("{}, tree node {}: expected at least 2 of {} leaves, found {} from {} on", owner,
+                        index, leaves, node.count, node.first);
+  }
+  return {};
+}
+
 Result<void> check_system(const Model& model, std::size_t index) {
   const SystemPlace at{model, model.systems[index], index};
   if (auto checked = check_clusters(at); !checked) return checked;
   if (auto checked = check_elements(at); !checked) return checked;
   if (auto checked = check_lumels(at); !checked) return checked;
   if (auto checked = check_sensors_and_charts(at); !checked) return checked;
+  if (auto checked =
+          check_tree(at.system.tree, at.system.clusters.size(), fmt::format("system {}", at.index));
+      !checked) {
+    return checked;
+  }
   if (auto checked = check_imports(at); !checked) return checked;
   if (auto checked = check_matrix(at, at.system.bounce, "bounce", at.system.clusters.size()); !checked)
     return checked;

@@ -11,18 +11,23 @@ namespace {
 
 constexpr int kMaxProducts = 16;
 
-/// rho K_c v: the columns at and above the rows are sky patches, which do not feed back.
-std::vector<Rgb> multiply(const CsrMatrix& matrix, const std::vector<Rgb>& albedo,
+Rgb row_product(const CsrMatrix& matrix, std::uint32_t row, const std::vector<Rgb>& v) {
+  Rgb sum(0.0);
+  for (std::uint64_t entry = matrix.row_offsets[row]; entry < matrix.row_offsets[row + 1]; ++entry)
+    sum += matrix.values[entry] * v[matrix.column_indices[entry]];
+  return sum;
+}
+
+/// rho K_c P v: sky patches, and with them the nodes of the sky, do not feed back.
+std::vector<Rgb> multiply(const SenderMatrix& matrix, const std::vector<Rgb>& albedo,
                           const std::vector<Rgb>& v) {
-  std::vector<Rgb> product(matrix.rows, Rgb(0.0));
-  for (std::uint32_t row = 0; row < matrix.rows; ++row) {
-    Rgb sum(0.0);
-    for (std::uint64_t entry = matrix.row_offsets[row]; entry < matrix.row_offsets[row + 1]; ++entry) {
-      const std::uint32_t column = matrix.column_indices[entry];
-      if (column < matrix.rows) sum += matrix.values[entry] * v[column];
-    }
-    product[row] = albedo[row] * sum;
-  }
+  std::vector<Rgb> b = v;
+  b.resize(matrix.rows.columns - matrix.nodes.rows, Rgb(0.0));
+  for (std::uint32_t node = 0; node < matrix.nodes.rows; ++node)
+    b.push_back(row_product(matrix.nodes, node, b));
+  std::vector<Rgb> product(matrix.rows.rows);
+  for (std::uint32_t row = 0; row < product.size(); ++row)
+    product[row] = albedo[row] * row_product(matrix.rows, row, b);
   return product;
 }
 
@@ -32,7 +37,7 @@ Rgb largest(const std::vector<Rgb>& values) {
   return result;
 }
 
-/// max_i (rho K_c v)_i / v_i per channel.
+/// max_i (rho K_c P v)_i / v_i per channel.
 Rgb upper_quotient(const std::vector<Rgb>& product, const std::vector<Rgb>& v) {
   Rgb quotient(0.0);
   for (std::size_t i = 0; i < v.size(); ++i) quotient = glm::max(quotient, product[i] / v[i]);
@@ -69,10 +74,11 @@ std::vector<Rgb> next_weights(const std::vector<Rgb>& product, const std::vector
   return next;
 }
 
-/// min over i of (rho K_c x)_i / x_i, x = the weights of clusters that reflect and are at least `threshold`:
-/// a lower end of the spectral radius for any x >= 0 other than 0 (L. Collatz, 1942; H. Wielandt, 1950).
-Rgb lower_quotient(const CsrMatrix& matrix, const std::vector<Rgb>& albedo, const std::vector<Rgb>& weights,
-                   double threshold) {
+/// min over i of (rho K_c P x)_i / x_i, x = the weights of clusters that reflect and are at least
+/// `threshold`: a lower end of the spectral radius for any x >= 0 other than 0 (L. Collatz, 1942; H.
+/// Wielandt, 1950).
+Rgb lower_quotient(const SenderMatrix& matrix, const std::vector<Rgb>& albedo,
+                   const std::vector<Rgb>& weights, double threshold) {
   std::vector<Rgb> x(weights.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
     for (int channel = 0; channel < 3; ++channel) {
@@ -94,13 +100,17 @@ Rgb lower_quotient(const CsrMatrix& matrix, const std::vector<Rgb>& albedo, cons
   return result;
 }
 
-/// How much the sums of positive terms in a product can be rounded, relatively.
-double rounding(const CsrMatrix& matrix) {
+std::uint64_t longest_row(const CsrMatrix& matrix) {
   std::uint64_t longest = 0;
-  for (std::uint32_t row = 0; row < matrix.rows; ++row) {
+  for (std::uint32_t row = 0; row < matrix.rows; ++row)
     longest = std::max(longest, matrix.row_offsets[row + 1] - matrix.row_offsets[row]);
-  }
-  return static_cast<double>(longest + 4) * std::numeric_limits<double>::epsilon();
+  return longest;
+}
+
+/// How much the sums of positive terms in a product can be rounded, relatively.
+double rounding(const SenderMatrix& matrix) {
+  return static_cast<double>(longest_row(matrix.rows) + longest_row(matrix.nodes) + 4) *
+         std::numeric_limits<double>::epsilon();
 }
 
 bool settled(const Rgb& quotient, const Rgb& previous) {
@@ -109,9 +119,9 @@ bool settled(const Rgb& quotient, const Rgb& previous) {
 
 }  // namespace
 
-ContractionBound contraction_bound(const CsrMatrix& bounce_matrix, const std::vector<Rgb>& albedo) {
+ContractionBound contraction_bound(const SenderMatrix& bounce_matrix, const std::vector<Rgb>& albedo) {
   ContractionBound bound;
-  bound.weights.assign(bounce_matrix.rows, Rgb(1.0));
+  bound.weights.assign(bounce_matrix.rows.rows, Rgb(1.0));
   std::vector<Rgb> product = multiply(bounce_matrix, albedo, bound.weights);
   bound.quotient = upper_quotient(product, bound.weights);
   Rgb previous = bound.quotient;

@@ -128,6 +128,7 @@ void add_system(const System& system, std::uint32_t index, SectionWriter& file) 
   file.add_array(kLumels, index, system.lumels);
   file.add_array(kSensors, index, system.sensors);
   file.add_array(kCharts, index, system.charts);
+  file.add_array(kTree, index, system.tree);
   file.add_array(kImports, index, system.imports);
   add_matrix(system.bounce, kBounceBlock, index, file);
   add_matrix(system.gather, kGatherBlock, index, file);
@@ -139,6 +140,7 @@ std::vector<std::byte> encode_model(const Model& model) {
   SectionWriter file;
   add_info(model, file);
   file.add_array(kSkyCells, kNone, model.sky_cells);
+  file.add_array(kSkyTree, kNone, model.sky_tree);
   add_named_records(model, file);
   add_lights(model.lights, file);
   add_occluders(model.occluders, file);

@@ -94,8 +94,17 @@ static_assert(sizeof(LightmapChart) == 28);
 /// `system` of a SenderRef that names a sky patch.
 inline constexpr std::uint32_t kSkySystem = kNone;
 
-/// A sender: cluster `index` of system `system`, or sky patch `index`. Indices at or above the cluster count of a system are
-/// reserved for inner nodes of its cluster tree. Stored.
+/// An inner node of a cluster tree: the leaves [first, first + count), which are clusters of one system, or sky patches. Its
+/// radiosity is their mean by area, or by solid angle. Leaves are numbered so that every node is such a range. Stored.
+struct TreeNode {
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;  ///< at least 2
+  friend bool operator==(const TreeNode&, const TreeNode&) = default;
+};
+static_assert(sizeof(TreeNode) == 8);
+
+/// A sender: cluster `index` of system `system`, or sky patch `index`. With n the number of clusters (of sky patches), an index
+/// of n or more is the node tree[index - n] of that system (sky_tree[index - n] of the model). Stored.
 struct SenderRef {
   std::uint32_t system = 0;
   std::uint32_t index = 0;
@@ -114,6 +123,7 @@ struct System {
   std::vector<Lumel> lumels;              ///< rows [0, lumels) of `gather`
   std::vector<Sensor> sensors;            ///< rows [lumels, lumels + sensors) of `gather`
   std::vector<LightmapChart> charts;
+  std::vector<TreeNode> tree;      ///< over `clusters`: the nodes that some system imports
   std::vector<SenderRef> imports;  ///< what the columns of both matrices mean
   BlockMatrix bounce;              ///< K: clusters x imports
   BlockMatrix gather;              ///< G: (lumels, sensors) x imports
@@ -166,6 +176,7 @@ struct Model {
   std::uint64_t geometry_hash = 0;
   std::uint32_t sky_resolution = 0;       ///< n of core/sky.h
   std::vector<std::uint32_t> sky_cells;   ///< sky patch p is cell sky_cells[p]; empty when no ray escaped
+  std::vector<TreeNode> sky_tree;         ///< over `sky_cells`, weighted by solid angle: the nodes that some system imports
   std::vector<System> systems;
   std::vector<MaterialRecord> materials;
   std::vector<NodeRecord> nodes;

@@ -10,6 +10,7 @@ namespace relume::sections {
 
 inline constexpr std::string_view kInfo = "INFO";
 inline constexpr std::string_view kSkyCells = "SKYC";
+inline constexpr std::string_view kSkyTree = "SKYT";
 inline constexpr std::string_view kMaterials = "MATL";
 inline constexpr std::string_view kNodes = "NODE";
 inline constexpr std::string_view kSensorNames = "SNAM";
@@ -29,6 +30,7 @@ inline constexpr std::string_view kPieces = "PIEC";
 inline constexpr std::string_view kLumels = "LUML";
 inline constexpr std::string_view kSensors = "SENS";
 inline constexpr std::string_view kCharts = "CHRT";
+inline constexpr std::string_view kTree = "TREE";
 inline constexpr std::string_view kImports = "IMPT";
 inline constexpr std::string_view kBounceBlock = "KBLK";
 inline constexpr std::string_view kGatherBlock = "GBLK";

@@ -9,20 +9,47 @@
 #include <limits>
 #include <utility>
 
+#include "core/sky.h"
+
 namespace relume {
 namespace {
 
-/// What each column of a system's matrices is among the senders numbered through.
-std::vector<std::uint32_t> sender_numbers(const Model& model, const System& system,
-                                          const std::vector<std::uint32_t>& clusters) {
-  std::vector<std::uint32_t> numbers;
-  for (const SenderRef& sender : system.imports) {
-    const std::uint32_t first =
-        sender.system == kSkySystem ? clusters[model.systems.size()] : clusters[sender.system];
-    numbers.push_back(first + sender.index);
+/// Senders numbered through: clusters, sky patches, nodes of each system, nodes of the sky.
+class SenderNumbers {
+ public:
+  explicit SenderNumbers(const Model& model) : model_(model), clusters_(cluster_offsets(model)) {
+    next_ = leaves();
+    for (const System& system : model.systems) {
+      first_node_.push_back(next_);
+      next_ += static_cast<std::uint32_t>(system.tree.size());
+    }
+    first_node_.push_back(next_);
+    next_ += static_cast<std::uint32_t>(model.sky_tree.size());
   }
-  return numbers;
-}
+
+  std::uint32_t leaves() const {
+    return clusters_.back() + static_cast<std::uint32_t>(model_.sky_cells.size());
+  }
+  std::uint32_t senders() const { return next_; }
+  std::uint32_t number(const SenderRef& sender) const {
+    const std::size_t owner = sender.system == kSkySystem ? model_.systems.size() : sender.system;
+    const std::size_t leaves =
+        sender.system == kSkySystem ? model_.sky_cells.size() : model_.systems[owner].clusters.size();
+    if (sender.index < leaves) return clusters_[owner] + sender.index;
+    return first_node_[owner] + (sender.index - static_cast<std::uint32_t>(leaves));
+  }
+  std::vector<std::uint32_t> of_imports(const System& system) const {
+    std::vector<std::uint32_t> numbers;
+    for (const SenderRef& sender : system.imports) numbers.push_back(number(sender));
+    return numbers;
+  }
+
+ private:
+  const Model& model_;
+  std::vector<std::uint32_t> clusters_;
+  std::vector<std::uint32_t> first_node_;  ///< per system, then of the sky
+  std::uint32_t next_ = 0;
+};
 
 /// Appends the rows of one system to `all`, with columns renumbered and sorted again.
 void append_rows(const CsrMatrix& local, const std::vector<std::uint32_t>& numbers, CsrMatrix& all) {
@@ -49,11 +76,19 @@ CsrMatrix empty_matrix(std::uint32_t columns) {
   return matrix;
 }
 
-/// Radiosity of all senders: clusters, then sky patches.
-std::vector<Rgb> senders(const Lighting& lighting, const std::vector<Rgb>& radiosity) {
-  std::vector<Rgb> all = radiosity;
-  all.insert(all.end(), lighting.sky_radiosity.begin(), lighting.sky_radiosity.end());
-  return all;
+/// Appends the rows of P for the nodes of one tree. `weights`: area or solid angle per leaf of the tree.
+void append_nodes(const std::vector<TreeNode>& tree, std::uint32_t first_leaf,
+                  const std::vector<double>& weights, CsrMatrix& nodes) {
+  for (const TreeNode& node : tree) {
+    double sum = 0.0;
+    for (std::uint32_t leaf = node.first; leaf < node.first + node.count; ++leaf) sum += weights[leaf];
+    for (std::uint32_t leaf = node.first; leaf < node.first + node.count; ++leaf) {
+      nodes.column_indices.push_back(first_leaf + leaf);
+      nodes.values.push_back(weights[leaf] / sum);
+    }
+    nodes.row_offsets.push_back(nodes.values.size());
+    ++nodes.rows;
+  }
 }
 
 Rgb row_product(const CsrMatrix& matrix, std::uint32_t row, const std::vector<Rgb>& b) {
@@ -62,6 +97,22 @@ Rgb row_product(const CsrMatrix& matrix, std::uint32_t row, const std::vector<Rg
     sum += matrix.values[entry] * b[matrix.column_indices[entry]];
   }
   return sum;
+}
+
+/// Radiosity of all senders.
+std::vector<Rgb> senders(const CsrMatrix& nodes, const Lighting& lighting,
+                         const std::vector<Rgb>& radiosity) {
+  std::vector<Rgb> all = radiosity;
+  all.insert(all.end(), lighting.sky_radiosity.begin(), lighting.sky_radiosity.end());
+  for (std::uint32_t node = 0; node < nodes.rows; ++node) all.push_back(row_product(nodes, node, all));
+  return all;
+}
+
+std::uint64_t longest_row(const CsrMatrix& matrix) {
+  std::uint64_t longest = 0;
+  for (std::uint32_t row = 0; row < matrix.rows; ++row)
+    longest = std::max(longest, matrix.row_offsets[row + 1] - matrix.row_offsets[row]);
+  return longest;
 }
 
 Rgb largest(const std::vector<Rgb>& values) {
@@ -87,16 +138,19 @@ double worst_ratio(const Rgb& numerator, const Rgb& denominator) {
 struct Change {
   Rgb largest{0.0};
   Rgb weighted{0.0};  ///< max |r_j| / v_j
-  Rgb rounding{0.0};  ///< the same of what the bounce may have rounded: a row of n positive terms by less
-                      ///< than (n + 4) ulp of its sum
+  Rgb rounding{0.0};  ///< the same of what the bounce may have rounded: a row of n positive terms, nodes of
+                      ///< at most m leaves, by less than (n + m + 4) ulp of its sum
 };
 
-Change measure(const CsrMatrix& matrix, const ContractionBound& contraction, const std::vector<Rgb>& before,
-               const std::vector<Rgb>& after) {
+Change measure(const SenderMatrix& senders, const ContractionBound& contraction,
+               const std::vector<Rgb>& before, const std::vector<Rgb>& after) {
   Change change;
+  const CsrMatrix& matrix = senders.rows;
+  const auto beside_row = static_cast<double>(longest_row(senders.nodes)) + 4.0;
   for (std::uint32_t row = 0; row < matrix.rows; ++row) {
     const Rgb difference = glm::abs(after[row] - before[row]);
-    const auto terms = static_cast<double>(matrix.row_offsets[row + 1] - matrix.row_offsets[row]) + 4.0;
+    const auto terms =
+        static_cast<double>(matrix.row_offsets[row + 1] - matrix.row_offsets[row]) + beside_row;
     const Rgb ulps = terms * std::numeric_limits<double>::epsilon() * after[row];
     change.largest = glm::max(change.largest, difference);
     change.weighted = glm::max(change.weighted, difference / contraction.weights[row]);
@@ -114,41 +168,54 @@ void rate(const Change& change, const Rgb& first, const Rgb& quotient, Solution&
   solution.error_bound = worst_ratio((first * change.weighted + change.rounding) / (1.0 - quotient), top);
 }
 
-Result<void> check_shapes(const CsrMatrix& matrix, const Lighting& lighting) {
-  const std::size_t clusters = matrix.rows;
+Result<void> check_shapes(const SenderMatrix& matrix, const Lighting& lighting) {
+  const std::size_t clusters = matrix.rows.rows;
+  const std::size_t leaves = matrix.rows.columns - matrix.nodes.rows;
   const bool fits = lighting.albedo.size() == clusters && lighting.exitance.size() == clusters &&
-                    lighting.direct.size() == clusters &&
-                    clusters + lighting.sky_radiosity.size() == matrix.columns;
+                    lighting.direct.size() == clusters && clusters + lighting.sky_radiosity.size() == leaves;
   if (fits) return {};
   return fail(
       ErrorCode::check_failed,
       fmt::format(
           "lighting: expected {} clusters and {} sky patches, found {} albedos, {} exitances, {} direct "
           "irradiances and {} sky patches",
-          clusters, matrix.columns - matrix.rows, lighting.albedo.size(), lighting.exitance.size(),
+          clusters, leaves - clusters, lighting.albedo.size(), lighting.exitance.size(),
           lighting.direct.size(), lighting.sky_radiosity.size()));
 }
 
 }  // namespace
 
+SenderMatrix::SenderMatrix(CsrMatrix all_rows, CsrMatrix all_nodes)
+    : rows(std::move(all_rows)), nodes(std::move(all_nodes)) {}
+
 ReferenceMatrices reference_matrices(const Model& model) {
+  const SenderNumbers numbers(model);
   const std::vector<std::uint32_t> clusters = cluster_offsets(model);
-  const auto columns = clusters.back() + static_cast<std::uint32_t>(model.sky_cells.size());
-  ReferenceMatrices matrices{empty_matrix(columns), empty_matrix(columns)};
-  for (const System& system : model.systems) {
-    const std::vector<std::uint32_t> numbers = sender_numbers(model, system, clusters);
-    append_rows(decode(system.bounce), numbers, matrices.bounce);
-    append_rows(decode(system.gather), numbers, matrices.gather);
+  CsrMatrix nodes = empty_matrix(numbers.leaves());
+  CsrMatrix bounce = empty_matrix(numbers.senders());
+  CsrMatrix gather = empty_matrix(numbers.senders());
+  for (std::size_t index = 0; index < model.systems.size(); ++index) {
+    const System& system = model.systems[index];
+    std::vector<double> areas;
+    for (const Cluster& cluster : system.clusters) areas.push_back(cluster.area);
+    append_nodes(system.tree, clusters[index], areas, nodes);
+    const std::vector<std::uint32_t> columns = numbers.of_imports(system);
+    append_rows(decode(system.bounce), columns, bounce);
+    append_rows(decode(system.gather), columns, gather);
   }
-  return matrices;
+  std::vector<double> angles;
+  for (const std::uint32_t cell : model.sky_cells)
+    angles.push_back(sky_cell_solid_angle(cell, model.sky_resolution));
+  append_nodes(model.sky_tree, clusters.back(), angles, nodes);
+  return {SenderMatrix(std::move(bounce), nodes), SenderMatrix(std::move(gather), nodes)};
 }
 
-std::vector<Rgb> bounce(const CsrMatrix& bounce_matrix, const Lighting& lighting,
+std::vector<Rgb> bounce(const SenderMatrix& bounce_matrix, const Lighting& lighting,
                         const std::vector<Rgb>& radiosity) {
-  const std::vector<Rgb> b = senders(lighting, radiosity);
-  std::vector<Rgb> result(bounce_matrix.rows);
-  for (std::uint32_t row = 0; row < bounce_matrix.rows; ++row) {
-    const Rgb irradiance = lighting.direct[row] + row_product(bounce_matrix, row, b);
+  const std::vector<Rgb> b = senders(bounce_matrix.nodes, lighting, radiosity);
+  std::vector<Rgb> result(bounce_matrix.rows.rows);
+  for (std::uint32_t row = 0; row < result.size(); ++row) {
+    const Rgb irradiance = lighting.direct[row] + row_product(bounce_matrix.rows, row, b);
     result[row] = lighting.exitance[row] + lighting.albedo[row] * irradiance;
   }
   return result;
@@ -167,14 +234,14 @@ Result<void> check_contraction(const ContractionBound& contraction) {
   return {};
 }
 
-Result<Solution> solve_reference(const CsrMatrix& bounce_matrix, const Lighting& lighting,
+Result<Solution> solve_reference(const SenderMatrix& bounce_matrix, const Lighting& lighting,
                                  const StopRule& rule, const BounceObserver& observer) {
   if (auto checked = check_shapes(bounce_matrix, lighting); !checked) return tl::unexpected(checked.error());
   const ContractionBound contraction = contraction_bound(bounce_matrix, lighting.albedo);
   if (auto checked = check_contraction(contraction); !checked) return tl::unexpected(checked.error());
 
   Solution solution;
-  for (std::uint32_t row = 0; row < bounce_matrix.rows; ++row) {
+  for (std::uint32_t row = 0; row < bounce_matrix.rows.rows; ++row) {
     solution.radiosity.push_back(lighting.exitance[row] + lighting.albedo[row] * lighting.direct[row]);
   }
   const Rgb& q = contraction.quotient;
@@ -197,12 +264,12 @@ Result<Solution> solve_reference(const CsrMatrix& bounce_matrix, const Lighting&
   return solution;
 }
 
-std::vector<Rgb> gather(const CsrMatrix& gather_matrix, const Lighting& lighting,
+std::vector<Rgb> gather(const SenderMatrix& gather_matrix, const Lighting& lighting,
                         const std::vector<Rgb>& radiosity) {
-  const std::vector<Rgb> b = senders(lighting, radiosity);
-  std::vector<Rgb> irradiance(gather_matrix.rows);
-  for (std::uint32_t row = 0; row < gather_matrix.rows; ++row)
-    irradiance[row] = row_product(gather_matrix, row, b);
+  const std::vector<Rgb> b = senders(gather_matrix.nodes, lighting, radiosity);
+  std::vector<Rgb> irradiance(gather_matrix.rows.rows);
+  for (std::uint32_t row = 0; row < irradiance.size(); ++row)
+    irradiance[row] = row_product(gather_matrix.rows, row, b);
   return irradiance;
 }
 

@@ -12,20 +12,30 @@
 
 namespace relume {
 
-/// Decoded matrices of all systems. Columns are senders numbered through: clusters of all systems, then sky patches.
+/// A matrix over all senders, and P, which spreads the radiosity of leaves to nodes. Senders are numbered through: the clusters
+/// of all systems, then the sky patches (together the leaves), then the nodes.
+struct SenderMatrix {
+  /// Without nodes: senders are leaves.
+  SenderMatrix(CsrMatrix all_rows = {}, CsrMatrix all_nodes = {});
+
+  CsrMatrix rows;   ///< rows x senders
+  CsrMatrix nodes;  ///< nodes x leaves: weights of the mean, each row sums to 1
+};
+
+/// Decoded matrices of all systems.
 struct ReferenceMatrices {
-  CsrMatrix bounce;  ///< clusters x senders
-  CsrMatrix gather;  ///< gather rows x senders
+  SenderMatrix bounce;  ///< rows: clusters
+  SenderMatrix gather;  ///< rows: gather rows
 };
 
 /// The model must be valid (check_model).
 ReferenceMatrices reference_matrices(const Model& model);
 
-/// One application of K: M + rho (H + K b), b = `radiosity` of the clusters followed by the sky's.
-std::vector<Rgb> bounce(const CsrMatrix& bounce_matrix, const Lighting& lighting, const std::vector<Rgb>& radiosity);
+/// One application of K: M + rho (H + K b), b = `radiosity` of the clusters, then the sky's, then that of the nodes by P.
+std::vector<Rgb> bounce(const SenderMatrix& bounce_matrix, const Lighting& lighting, const std::vector<Rgb>& radiosity);
 
-/// Weights from a few products of rho K_c on ones; see ContractionBound. q < 1 is needed by solve_reference.
-ContractionBound contraction_bound(const CsrMatrix& bounce_matrix, const std::vector<Rgb>& albedo);
+/// Weights from a few products of rho K_c P on ones; see ContractionBound. q < 1 is needed by solve_reference.
+ContractionBound contraction_bound(const SenderMatrix& bounce_matrix, const std::vector<Rgb>& albedo);
 
 /// Refuses (check_failed, with the bracket of the spectral radius) when q >= 1 in any channel.
 Result<void> check_contraction(const ContractionBound& contraction);
@@ -34,10 +44,10 @@ Result<void> check_contraction(const ContractionBound& contraction);
 using BounceObserver = std::function<bool(std::uint32_t bounces, double error_bound)>;
 
 /// Plain bounces until the rule stops them. Refused by check_contraction when q >= 1.
-Result<Solution> solve_reference(const CsrMatrix& bounce_matrix, const Lighting& lighting, const StopRule& rule,
+Result<Solution> solve_reference(const SenderMatrix& bounce_matrix, const Lighting& lighting, const StopRule& rule,
                                  const BounceObserver& observer = {});
 
 /// Irradiance (lm/m2) per gather row: I = G b.
-std::vector<Rgb> gather(const CsrMatrix& gather_matrix, const Lighting& lighting, const std::vector<Rgb>& radiosity);
+std::vector<Rgb> gather(const SenderMatrix& gather_matrix, const Lighting& lighting, const std::vector<Rgb>& radiosity);
 
 }  // namespace relume

@@ -46,7 +46,7 @@ struct Solution {
   double error_bound = 0.0;        ///< bound on max |B - B_exact| / max |B|, rounding included, the worst channel; see ContractionBound
 };
 
-/// The sharp bound on what remains after any number of bounces. With weights v > 0 and q = max_i (rho K_c v)_i / v_i < 1, per channel,
+/// The sharp bound on what remains after any number of bounces. With weights v > 0 and q = max_i (rho K_c P v)_i / v_i < 1, per channel,
 ///   |B_i - exact_i| <= v_i max_j (|r_j| / v_j) q / (1 - q)
 /// when r is the change made by the bounce that produced B (Varga, Matrix Iterative Analysis, 1962, weighted maximum norms).
 struct ContractionBound {

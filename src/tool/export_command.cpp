@@ -23,12 +23,16 @@ Result<void> add_matrix(const std::string& name, const std::string& title, const
 
 Result<void> add_matrices(const Model& model, const std::string& format, OutputFolder& folder) {
   const ReferenceMatrices matrices = reference_matrices(model);
-  const std::string columns = "columns: clusters of all systems, then sky patches";
-  const auto added =
-      add_matrix("bounce", "bounce matrix K; rows: clusters; " + columns, matrices.bounce, format, folder);
+  const std::string leaves = "columns: clusters of all systems, then sky patches";
+  const std::string columns = leaves + ", then nodes of the cluster trees";
+  auto added =
+      add_matrix("bounce", "bounce matrix K; rows: clusters; " + columns, matrices.bounce.rows, format, folder);
   if (!added) return added;
-  return add_matrix("gather", "gather matrix G; rows: lumels, then sensors, system by system; " + columns,
-                    matrices.gather, format, folder);
+  added = add_matrix("gather", "gather matrix G; rows: lumels, then sensors, system by system; " + columns,
+                     matrices.gather.rows, format, folder);
+  if (!added || matrices.bounce.nodes.rows == 0) return added;
+  return add_matrix("nodes", "node matrix P; rows: nodes of the cluster trees; " + leaves, matrices.bounce.nodes,
+                    format, folder);
 }
 
 Result<void> add_debug_view(const Model& model, const std::string& view, OutputFolder& folder) {

@@ -255,8 +255,8 @@ TEST(ReferenceMatrices, NumberSendersThroughAllSystems) {
   const ReferenceMatrices matrices = reference_matrices(test::tiny_model());
   // Senders: floor, lid, sky. Values in f32 but for the first two rows of gather (unorm16) and the second of
   // bounce (8 bits).
-  const test::DenseMatrix bounce_rows = test::to_dense(matrices.bounce);
-  const test::DenseMatrix gather_rows = test::to_dense(matrices.gather);
+  const test::DenseMatrix bounce_rows = test::to_dense(matrices.bounce.rows);
+  const test::DenseMatrix gather_rows = test::to_dense(matrices.gather.rows);
   const test::DenseMatrix expected_bounce{{0, 0.2, 0.5}, {0.2, 0, 0}};
   const test::DenseMatrix expected_gather{{0, 0.2, 0.5}, {0, 0.25, 0}, {0.2, 0, 0}};
   ASSERT_EQ(bounce_rows.size(), 2u);
@@ -275,7 +275,7 @@ TEST(ReferenceMatrices, NumberSendersThroughAllSystems) {
 TEST(ReferenceMatrices, SortColumnsWhateverTheOrderOfImports) {
   Model model = test::tiny_model();
   model.systems[0].imports = {{kSkySystem, 0}, {1, 0}};
-  const CsrMatrix bounce_matrix = reference_matrices(model).bounce;
+  const CsrMatrix bounce_matrix = reference_matrices(model).bounce.rows;
   EXPECT_EQ(bounce_matrix.column_indices, (std::vector<std::uint32_t>{1, 2, 0}));
   EXPECT_FLOAT_EQ(static_cast<float>(bounce_matrix.values[0]), 0.5f);
 }

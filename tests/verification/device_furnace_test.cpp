@@ -24,7 +24,7 @@ void expect_furnace(StandaloneDevice& device, const Model& model, const std::str
   const double exitance = 2.0;
   const ReferenceMatrices matrices = reference_matrices(model);
   for (const double albedo : {0.5, 0.9, 0.99}) {
-    const auto lighting = uniform_lighting(matrices.bounce.rows, Rgb(albedo), Rgb(exitance));
+    const auto lighting = uniform_lighting(matrices.bounce.rows.rows, Rgb(albedo), Rgb(exitance));
     const StopRule rule{10000, 1e-4};
     const auto on_device = solve_on_device(device, model, lighting, rule);
     ASSERT_TRUE(on_device) << name << ": " << on_device.error().message;

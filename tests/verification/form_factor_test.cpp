@@ -29,7 +29,7 @@ double row_sum(const CsrMatrix& matrix, std::uint32_t row) {
 
 TEST(CubeFormFactors, AreThoseOfTheCatalogue) {
   const Model model = precompute_or_throw(unit_cube(), options(0.25, 0.0625, 16384));
-  const CsrMatrix bounce = reference_matrices(model).bounce;
+  const CsrMatrix bounce = reference_matrices(model).bounce.rows;
   std::vector<const Cluster*> clusters;
   for (const System& system : model.systems) {
     for (const Cluster& cluster : system.clusters) clusters.push_back(&cluster);
@@ -70,7 +70,7 @@ TEST_P(RowSums, OfClosedRoomsAreOneAndNeverAbove) {
         precompute_or_throw(room.scene, options(room.cluster_size, room.cluster_size / 2, 128, GetParam()));
     EXPECT_TRUE(model.sky_cells.empty()) << room.name;
     const ReferenceMatrices matrices = reference_matrices(model);
-    for (const CsrMatrix* matrix : {&matrices.bounce, &matrices.gather}) {
+    for (const CsrMatrix* matrix : {&matrices.bounce.rows, &matrices.gather.rows}) {
       for (std::uint32_t row = 0; row < matrix->rows; ++row) {
         const double sum = row_sum(*matrix, row);
         ASSERT_LE(sum, 1.0) << room.name << " row " << row;
@@ -105,7 +105,7 @@ std::vector<ReciprocityError> reciprocity_errors(const Model& model, std::uint32
       rays.push_back(quality * double(cluster.area) * cluster.area / squares);
     }
   }
-  const DenseMatrix k = to_dense(reference_matrices(model).bounce);
+  const DenseMatrix k = to_dense(reference_matrices(model).bounce.rows);
   std::vector<ReciprocityError> errors;
   for (std::size_t i = 0; i < area.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {

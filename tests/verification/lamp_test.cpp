@@ -56,7 +56,7 @@ std::vector<double> gathered_factors(const Model& model) {
     for (const Cluster& cluster : system.clusters)
       lamp.push_back(model.materials[cluster.material].name == "lamp");
   }
-  const CsrMatrix matrix = reference_matrices(model).gather;
+  const CsrMatrix matrix = reference_matrices(model).gather.rows;
   std::vector<double> sums(matrix.rows, 0.0);
   for (std::uint32_t row = 0; row < matrix.rows; ++row) {
     for (auto k = matrix.row_offsets[row]; k < matrix.row_offsets[row + 1]; ++k) {

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+//
+// The cluster tree: binary trees over clusters whose numbers run in tree order, so that every node is a range
+// of numbers.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+namespace relume {
+
+/// What the tree asks of a leaf.
+struct TreeLeaf {
+  glm::vec3 centroid{0.0f};
+  glm::vec3 normal{0.0f};
+  float area = 0.0f;        ///< m2, or steradian for sky patches
+  std::uint32_t group = 0;  ///< leaves of different groups never share a node
+};
+
+/// A node is the leaves [first, first + count).
+struct TreeNodeRange {
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+  std::uint32_t left = 0;  ///< index of the left child; the right one follows it. Unused by leaves (count 1).
+};
+
+struct ClusterTree {
+  std::vector<TreeNodeRange> nodes;  ///< children after their parents
+  std::vector<std::uint32_t> roots;  ///< one per group and call of append_tree
+};
+
+/// Order of `leaves` in which every node is a range: leaf `order[i]` becomes number i. Groups follow each
+/// other; inside, the set is halved by area along the direction in which it is longest, where normals count
+/// as far apart as the set is wide.
+std::vector<std::uint32_t> tree_order(const std::vector<TreeLeaf>& leaves);
+
+/// Appends the tree over leaves that are already in tree_order and numbered from `first`.
+void append_tree(const std::vector<TreeLeaf>& ordered_leaves, std::uint32_t first, ClusterTree& tree);
+
+}  // namespace relume
