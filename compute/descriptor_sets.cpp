@@ -45,6 +45,7 @@ SetPlan plan_solve_set(std::span<const BufferRange> ranges, std::uint32_t half_i
   plan.bindings[kernels::kDirectBinding] = whole(ranges[kDirect]);
   plan.bindings[kernels::kWeightsBinding] = whole(ranges[kWeights]);
   plan.bindings[kernels::kResidualBinding] = whole(ranges[kResidual]);
+  plan.bindings[kernels::kLeafWeightsBinding] = whole(ranges[kLeafWeights]);
   return plan;
 }
 

@@ -54,7 +54,8 @@ Result<MatrixFetch> choose_fetch(const SolverOptions& options, const SolverLayou
 
 Result<void> add_pass_pipelines(Pipelines& pipelines, const Pass& pass, RowKernel row_kernel) {
   for (const DispatchStep& step : pass) {
-    if (auto added = pipelines.add(step_kernel_id(step.kernel, row_kernel), step.codec); !added) return added;
+    if (auto added = pipelines.add(step_kernel_id(step.kernel, row_kernel), step.format); !added)
+      return added;
   }
   return {};
 }
@@ -62,7 +63,7 @@ Result<void> add_pass_pipelines(Pipelines& pipelines, const Pass& pass, RowKerne
 Result<void> add_all_pipelines(Pipelines& pipelines, const Pass& bounce, const Pass& gather,
                                RowKernel row_kernel) {
   for (const KernelId kernel : {KernelId::start, KernelId::residual}) {
-    if (auto added = pipelines.add(kernel, ValueCodec::f32); !added) return added;
+    if (auto added = pipelines.add(kernel, {}); !added) return added;
   }
   if (auto added = add_pass_pipelines(pipelines, bounce, row_kernel); !added) return added;
   return add_pass_pipelines(pipelines, gather, row_kernel);

@@ -107,7 +107,7 @@ class GpuSolver {
  public:
   /// Compiles the pipelines that the model needs. The model must be valid (check_model); it is read, not
   /// kept. Fails with no_device when the device does not meet device_requirements or cannot bind a buffer of
-  /// this size, with bad_input for a block format that has no kernel.
+  /// this size.
   static Result<GpuSolver> create(const HostDevice& host, const Model& model, const SolverOptions& options);
 
   GpuSolver(GpuSolver&&) noexcept;

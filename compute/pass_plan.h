@@ -3,6 +3,7 @@
 // The dispatches of a pass, cut so that none takes long.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <vector>
 
@@ -15,15 +16,22 @@ namespace relume {
 
 enum class StepKernel : std::uint32_t { import_radiosity, bounce, gather };
 
+/// What a row kernel is compiled for.
+struct BlockFormat {
+  ValueCodec codec = ValueCodec::f32;
+  std::uint32_t tile_rows = 1;
+  friend auto operator<=>(const BlockFormat&, const BlockFormat&) = default;
+};
+
 /// One dispatch.
 struct DispatchStep {
   StepKernel kernel = StepKernel::import_radiosity;
-  ValueCodec codec = ValueCodec::f32;
+  BlockFormat format{};
   std::uint32_t system = 0;
   std::uint32_t block = 0;  ///< of the system's bounce or gather matrix
   kernels::Range range{};
   std::uint32_t workgroups = 0;
-  std::uint64_t cost = 0;       ///< form factors (imports for an import)
+  std::uint64_t cost = 0;       ///< form factors, zeros of tiles included (leaves for an import)
   bool barrier_before = false;  ///< it must see what earlier steps of the pass wrote
 };
 
@@ -34,7 +42,7 @@ std::uint32_t workgroup_count(std::uint64_t threads);
 
 /// A bounce (`kernel` bounce: rows of the bounce matrices) or a gather (rows of the gather matrices) of all
 /// systems: imports first, then rows. Rows are cut into dispatches of at most `max_form_factors` form
-/// factors, but at least one row.
+/// factors, but at least one tile.
 Pass plan_pass(const Model& model, const SolverLayout& layout, StepKernel kernel, RowKernel row_kernel,
                std::uint64_t max_form_factors);
 

@@ -14,6 +14,7 @@ namespace {
 
 static_assert(static_cast<kernels::uint>(ValueCodec::f32) == kernels::kCodecF32);
 static_assert(static_cast<kernels::uint>(ValueCodec::unorm16) == kernels::kCodecUnorm16);
+static_assert(static_cast<kernels::uint>(ValueCodec::sqrt8) == kernels::kCodecSqrt8);
 
 static_assert(static_cast<kernels::uint>(MatrixFetch::storage) == kernels::kFetchStorage);
 static_assert(static_cast<kernels::uint>(MatrixFetch::texels) == kernels::kFetchTexels);
@@ -120,16 +121,17 @@ Result<Pipelines> Pipelines::create(const HostDevice& host, const DeviceFunction
   return pipelines;
 }
 
-Result<void> Pipelines::add(KernelId kernel, ValueCodec codec) {
-  if (pipelines_.contains({kernel, codec})) return {};
+Result<void> Pipelines::add(KernelId kernel, const BlockFormat& format) {
+  if (pipelines_.contains({kernel, format})) return {};
   auto module = make_shader_module(host_, functions_, kernel);
   if (!module) return tl::unexpected<Error>(module.error());
 
-  const std::array<std::uint32_t, 2> values = {static_cast<std::uint32_t>(codec),
-                                               static_cast<std::uint32_t>(fetch_)};
-  const std::array<VkSpecializationMapEntry, 2> entries = {{
+  const std::array<std::uint32_t, 3> values = {static_cast<std::uint32_t>(format.codec),
+                                               static_cast<std::uint32_t>(fetch_), format.tile_rows};
+  const std::array<VkSpecializationMapEntry, 3> entries = {{
       {kernels::kCodecConstant, 0, sizeof values[0]},
       {kernels::kFetchConstant, sizeof values[0], sizeof values[1]},
+      {kernels::kTileRowsConstant, 2 * sizeof values[0], sizeof values[2]},
   }};
   const VkSpecializationInfo constants{entries.size(), entries.data(), sizeof values, values.data()};
   auto info = vulkan_info<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
@@ -147,7 +149,7 @@ Result<void> Pipelines::add(KernelId kernel, ValueCodec codec) {
     return tl::unexpected<Error>(
         vulkan_error(result, std::string("creating the pipeline of kernel ") + kernel_file_name(kernel)));
   }
-  pipelines_.emplace(std::pair{kernel, codec},
+  pipelines_.emplace(std::pair{kernel, format},
                      VulkanHandle<VkPipeline>(host_.device, pipeline, functions_.destroy_pipeline,
                                               host_.allocation_callbacks));
   return {};

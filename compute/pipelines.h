@@ -37,12 +37,14 @@ class Pipelines {
   static Result<Pipelines> create(const HostDevice& host, const DeviceFunctions& functions,
                                   MatrixFetch fetch);
 
-  /// Makes the pipeline of a kernel for a codec, unless it is there. Kernels that decode nothing have codec
-  /// f32.
-  Result<void> add(KernelId kernel, ValueCodec codec);
+  /// Makes the pipeline of a kernel for a format, unless it is there. Kernels that decode nothing have the
+  /// format {}.
+  Result<void> add(KernelId kernel, const BlockFormat& format);
 
   /// A pipeline that was added.
-  VkPipeline get(KernelId kernel, ValueCodec codec) const { return pipelines_.at({kernel, codec}).get(); }
+  VkPipeline get(KernelId kernel, const BlockFormat& format) const {
+    return pipelines_.at({kernel, format}).get();
+  }
 
   VkPipelineLayout layout() const { return layout_.get(); }
   VkDescriptorSetLayout set_layout(std::uint32_t set) const { return set_layouts_[set].get(); }
@@ -56,7 +58,7 @@ class Pipelines {
   MatrixFetch fetch_;
   std::array<VulkanHandle<VkDescriptorSetLayout>, kernels::kSets> set_layouts_;
   VulkanHandle<VkPipelineLayout> layout_;
-  std::map<std::pair<KernelId, ValueCodec>, VulkanHandle<VkPipeline>> pipelines_;
+  std::map<std::pair<KernelId, BlockFormat>, VulkanHandle<VkPipeline>> pipelines_;
 };
 
 }  // namespace relume

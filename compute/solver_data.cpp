@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "compute/solver_data.h"
 
+#include <bit>
 #include <span>
 #include <utility>
 
+#include "core/sky.h"
 #include "kernels/shared/glsl_types.h"
 
 namespace relume {
@@ -46,15 +48,35 @@ std::vector<std::byte> device_bytes(const std::vector<Rgb>& values) {
   return owned_bytes(converted);
 }
 
+/// What each leaf counts for in the mean of a node.
+std::vector<double> leaf_weights(const Model& model) {
+  std::vector<double> weights;
+  for (const System& system : model.systems) {
+    for (const Cluster& cluster : system.clusters) weights.push_back(cluster.area);
+  }
+  for (const std::uint32_t cell : model.sky_cells)
+    weights.push_back(sky_cell_solid_angle(cell, model.sky_resolution));
+  return weights;
+}
+
+kernels::uvec4 import_record(const LeafRange& leaves, const std::vector<double>& weights) {
+  double sum = 0.0;
+  for (std::uint32_t i = 0; i < leaves.count; ++i) sum += weights[leaves.first + i];
+  return {leaves.first, leaves.count, std::bit_cast<kernels::uint>(static_cast<float>(1.0 / sum)), 0};
+}
+
 }  // namespace
 
 UploadData model_upload(const Model& model, const SolverLayout& layout) {
   UploadData data;
+  const std::vector<double> weights = leaf_weights(model);
+  data.add_owned(kLeafWeights, 0, owned_bytes(std::vector<float>(weights.begin(), weights.end())));
   for (std::size_t i = 0; i < model.systems.size(); ++i) {
     const System& system = model.systems[i];
-    std::vector<std::uint32_t> senders;
-    for (const SenderRef& sender : system.imports) senders.push_back(sender_number(layout, sender));
-    data.add_owned(layout.systems[i].imports_buffer, 0, owned_bytes(senders));
+    std::vector<kernels::uvec4> imports;
+    for (const SenderRef& sender : system.imports)
+      imports.push_back(import_record(leaf_range(model, layout, sender), weights));
+    data.add_owned(layout.systems[i].imports_buffer, 0, owned_bytes(imports));
     add_blocks(data, system.bounce, layout.systems[i].bounce);
     add_blocks(data, system.gather, layout.systems[i].gather);
   }

@@ -67,7 +67,7 @@ SystemLayout system_layout(const System& system, const std::string& name, VkDevi
   SystemLayout layout;
   layout.imports = static_cast<std::uint32_t>(system.imports.size());
   layout.gather_rows = system.gather.rows;
-  layout.imports_buffer = buffers.add(name + " imports", layout.imports * sizeof(std::uint32_t));
+  layout.imports_buffer = buffers.add(name + " imports", layout.imports * sizeof(kernels::uvec4));
   layout.local_radiosity_buffer = buffers.add(name + " local radiosity", layout.imports * kRgbBytes);
   layout.irradiance_buffer = buffers.add(name + " irradiance", layout.gather_rows * kRgbBytes);
   layout.bounce = matrix_layout(system.bounce, name + " bounce", alignment, buffers);
@@ -86,34 +86,7 @@ void add_solve_buffers(const SolverLayout& layout, BufferList& buffers) {
   buffers.add("direct", cluster_bytes);
   buffers.add("weights", cluster_bytes);
   buffers.add("residual", sizeof(kernels::ResidualRecord));
-}
-
-Result<void> check_blocks(const BlockMatrix& matrix, const std::string& name) {
-  for (const MatrixBlock& block : matrix.blocks) {
-    if (block.tile_rows != 1) {
-      return fail(ErrorCode::bad_input, name + ": the kernels do tiles of 1 row, found tiles of " +
-                                            std::to_string(block.tile_rows));
-    }
-    if (block.codec != ValueCodec::f32 && block.codec != ValueCodec::unorm16) {
-      return fail(ErrorCode::bad_input, name + ": the kernels decode f32 and unorm16, found codec " +
-                                            std::to_string(static_cast<std::uint32_t>(block.codec)));
-    }
-  }
-  return {};
-}
-
-Result<void> check_formats(const Model& model) {
-  for (const System& system : model.systems) {
-    if (auto checked = check_blocks(system.bounce, "bounce matrix of system '" + system.name + "'");
-        !checked) {
-      return checked;
-    }
-    if (auto checked = check_blocks(system.gather, "gather matrix of system '" + system.name + "'");
-        !checked) {
-      return checked;
-    }
-  }
-  return {};
+  buffers.add("leaf weights", (VkDeviceSize{layout.clusters} + layout.sky_patches) * sizeof(float));
 }
 
 Result<void> check_sizes(const SolverLayout& layout, VkDeviceSize max_range) {
@@ -130,7 +103,6 @@ Result<void> check_sizes(const SolverLayout& layout, VkDeviceSize max_range) {
 }  // namespace
 
 Result<SolverLayout> solver_layout(const Model& model, const LayoutLimits& limits) {
-  if (auto checked = check_formats(model); !checked) return tl::unexpected<Error>(checked.error());
   SolverLayout layout;
   layout.sky_patches = static_cast<std::uint32_t>(model.sky_cells.size());
   const std::vector<std::uint32_t> first_clusters = cluster_offsets(model);
@@ -162,9 +134,13 @@ VkDeviceSize largest_texel_buffer(const SolverLayout& layout) {
   return bytes / sizeof(std::uint32_t);
 }
 
-std::uint32_t sender_number(const SolverLayout& layout, const SenderRef& sender) {
-  if (sender.system == kSkySystem) return layout.clusters + sender.index;
-  return layout.systems[sender.system].first_cluster + sender.index;
+LeafRange leaf_range(const Model& model, const SolverLayout& layout, const SenderRef& sender) {
+  const bool sky = sender.system == kSkySystem;
+  const std::uint32_t first = sky ? layout.clusters : layout.systems[sender.system].first_cluster;
+  const std::size_t leaves = sky ? model.sky_cells.size() : model.systems[sender.system].clusters.size();
+  if (sender.index < leaves) return {first + sender.index, 1};
+  const TreeNode& node = (sky ? model.sky_tree : model.systems[sender.system].tree)[sender.index - leaves];
+  return {first + node.first, node.count};
 }
 
 }  // namespace relume

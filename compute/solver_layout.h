@@ -33,6 +33,7 @@ enum SolveBuffer : std::uint32_t {
   kDirect,
   kWeights,
   kResidual,
+  kLeafWeights,
   kSolveBuffers,
 };
 
@@ -70,15 +71,20 @@ struct SolverLayout {
 /// Bytes of an RGB quantity per element on the device (vec4).
 inline constexpr VkDeviceSize kRgbBytes = 16;
 
-/// Fails with no_device when a buffer is larger than `max_range`, and with bad_input when a block has a
-/// format that the kernels do not know (tiles of more than one row, codec sqrt8). The model must be valid
-/// (check_model).
+/// Fails with no_device when a buffer is larger than `max_range`. The model must be valid (check_model).
 Result<SolverLayout> solver_layout(const Model& model, const LayoutLimits& limits);
 
 /// Elements of the largest texel buffer of a block.
 VkDeviceSize largest_texel_buffer(const SolverLayout& layout);
 
-/// Number of a sender on the device.
-std::uint32_t sender_number(const SolverLayout& layout, const SenderRef& sender);
+/// Leaves are numbered through: the clusters of all systems, then the sky patches.
+struct LeafRange {
+  std::uint32_t first = 0;
+  std::uint32_t count = 1;
+  friend bool operator==(const LeafRange&, const LeafRange&) = default;
+};
+
+/// The leaves of a sender on the device: one, or those of a node.
+LeafRange leaf_range(const Model& model, const SolverLayout& layout, const SenderRef& sender);
 
 }  // namespace relume

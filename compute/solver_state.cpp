@@ -30,7 +30,7 @@ void record_step(const SolverState& state, VkCommandBuffer commands, const Dispa
   }
   const KernelId kernel = step_kernel_id(step.kernel, state.options.kernel);
   functions.cmd_bind_pipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE,
-                              state.pipelines.get(kernel, step.codec));
+                              state.pipelines.get(kernel, step.format));
   functions.cmd_bind_descriptor_sets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, state.pipelines.layout(), 0,
                                      set_count, sets.data(), 0, nullptr);
   functions.cmd_push_constants(commands, state.pipelines.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
@@ -43,8 +43,7 @@ void record_step(const SolverState& state, VkCommandBuffer commands, const Dispa
 void record_solve_kernel(const SolverState& state, VkCommandBuffer commands, KernelId kernel,
                          RadiosityHalf half_in) {
   const DeviceFunctions& functions = state.functions;
-  functions.cmd_bind_pipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE,
-                              state.pipelines.get(kernel, ValueCodec::f32));
+  functions.cmd_bind_pipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, state.pipelines.get(kernel, {}));
   functions.cmd_bind_descriptor_sets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, state.pipelines.layout(),
                                      kernels::kSolveSet, 1, &state.sets.solve[index_of(half_in)], 0, nullptr);
   const kernels::Range range{0, state.layout.clusters, 0, 0};

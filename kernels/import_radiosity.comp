@@ -1,21 +1,55 @@
 // SPDX-License-Identifier: MIT
 //
-// Copies the radiosity of the senders that a system imports to where its 16-bit columns find it.
+// Brings the radiosity of the senders that a system imports to where its 16-bit columns find it. A leaf is copied; a node is the
+// weighted mean of its leaves, eight invocations to an import, summed like a row (include/row_product.glsl) of weight x radiosity.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 
+#include "include/lane_tree.glsl"
 #include "include/range.glsl"
 #include "shared/bindings.h"
 
 layout(set = kSolveSet, binding = kRadiosityInBinding, std430) readonly restrict buffer RadiosityIn {
   vec4 radiosity_in[];
 };
-layout(set = kSystemSet, binding = kImportsBinding, std430) readonly restrict buffer Imports { uint imports[]; };
+layout(set = kSolveSet, binding = kLeafWeightsBinding, std430) readonly restrict buffer LeafWeights {
+  float leaf_weights[];
+};
+layout(set = kSystemSet, binding = kImportsBinding, std430) readonly restrict buffer Imports { uvec4 imports[]; };
 layout(set = kSystemSet, binding = kLocalRadiosityBinding, std430) writeonly restrict buffer LocalRadiosity {
   vec4 local_radiosity[];
 };
 
+shared vec4 lane_sums[kWorkgroupSize];
+
+vec3 lane_sum(uvec4 node, uint lane) {
+  precise vec3 sum = vec3(0.0);
+  for (uint leaf = node.x + lane; leaf < node.x + node.y; leaf += kLanes) {
+    precise vec3 term = leaf_weights[leaf] * radiosity_in[leaf].rgb;
+    sum = sum + term;
+  }
+  return sum;
+}
+
 void main() {
-  const uint import_index = gl_GlobalInvocationID.x;
-  if (import_index < range.count) local_radiosity[import_index] = radiosity_in[imports[import_index]];
+  const uint first = gl_LocalInvocationIndex & ~(kLanes - 1u);
+  const uint lane = gl_LocalInvocationIndex - first;
+  const uint index = gl_WorkGroupID.x * kRowsPerWorkgroup + first / kLanes;
+  const bool inside = index < range.count;
+  const uvec4 import_record = inside ? imports[index] : uvec4(0u);
+
+  const bool node = import_record.y > 1u;
+  lane_sums[gl_LocalInvocationIndex] = vec4(node ? lane_sum(import_record, lane) : vec3(0.0), 0.0);
+  memoryBarrierShared();
+  barrier();
+  if (!inside || lane != 0u) return;
+  if (!node) {
+    local_radiosity[index] = radiosity_in[import_record.x];
+    return;
+  }
+  const vec3 sum = lane_tree(lane_sums[first].xyz, lane_sums[first + 1u].xyz, lane_sums[first + 2u].xyz,
+                             lane_sums[first + 3u].xyz, lane_sums[first + 4u].xyz, lane_sums[first + 5u].xyz,
+                             lane_sums[first + 6u].xyz, lane_sums[first + 7u].xyz);
+  precise vec3 mean = sum * uintBitsToFloat(import_record.z);
+  local_radiosity[index] = vec4(mean, 0.0);
 }

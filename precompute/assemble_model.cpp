@@ -8,30 +8,11 @@
 #include <numeric>
 #include <set>
 
+#include "precompute/store_matrices.h"
 #include "scene/surface_color.h"
 
 namespace relume {
 namespace {
-
-/// Sky cells that any row uses, ascending.
-std::vector<std::uint32_t> used_sky_cells(const ModelParts& parts) {
-  std::vector<bool> used(6 * parts.sky_resolution * parts.sky_resolution, false);
-  const auto mark = [&](const FormFactorRow& row) {
-    for (const auto sender : row.senders) {
-      if (sender >= parts.cluster_count) used[sender - parts.cluster_count] = true;
-    }
-  };
-  for (const SystemRows& system : parts.rows) {
-    for (const auto& row : system.clusters) mark(row);
-    for (const auto& row : system.elements) mark(row);
-  }
-  for (const auto& row : parts.sensor_rows) mark(row);
-  std::vector<std::uint32_t> cells;
-  for (std::uint32_t c = 0; c < used.size(); ++c) {
-    if (used[c]) cells.push_back(c);
-  }
-  return cells;
-}
 
 /// Elements in the order that the model stores: by cluster, then by cell.
 std::vector<std::uint32_t> stored_order(const ClusteredSurface& surface) {
@@ -112,79 +93,6 @@ void store_charts(const ModelParts& parts, const SystemLayout& layout, System& s
   }
 }
 
-/// The senders that some rows use, as an import table, and the local column of each.
-class ImportTable {
- public:
-  ImportTable(const ModelParts& parts, const std::vector<std::uint32_t>& sky_cells)
-      : parts_(parts),
-        sky_cells_(sky_cells),
-        column_(parts.cluster_count + 6 * parts.sky_resolution * parts.sky_resolution, kNone) {}
-  void use(const FormFactorRow& row) {
-    for (const auto sender : row.senders) column_[sender] = 0;
-  }
-  std::vector<SenderRef> finish() {
-    std::vector<SenderRef> imports;
-    for (std::uint32_t sender = 0; sender < column_.size(); ++sender) {
-      if (column_[sender] == kNone) continue;
-      column_[sender] = std::uint32_t(imports.size());
-      imports.push_back(reference(sender));
-    }
-    return imports;
-  }
-  void append(const FormFactorRow& row, BlockMatrixBuilder& matrix) const {
-    std::vector<std::uint16_t> columns;
-    std::vector<double> values(row.values.begin(), row.values.end());
-    for (const auto sender : row.senders) columns.push_back(std::uint16_t(column_[sender]));
-    matrix.append_row(columns, values);
-  }
-
- private:
-  SenderRef reference(std::uint32_t sender) const {
-    if (sender >= parts_.cluster_count) {
-      const auto found =
-          std::lower_bound(sky_cells_.begin(), sky_cells_.end(), sender - parts_.cluster_count);
-      return {kSkySystem, std::uint32_t(found - sky_cells_.begin())};
-    }
-    std::uint32_t s = 0;
-    while (sender >= parts_.surfaces[s].first_cluster + parts_.surfaces[s].cluster_count) ++s;
-    return {s, sender - parts_.surfaces[s].first_cluster};
-  }
-  const ModelParts& parts_;
-  const std::vector<std::uint32_t>& sky_cells_;
-  std::vector<std::uint32_t> column_;
-};
-
-/// Sensors go to the first system: only there are their rows needed.
-Result<void> store_matrices(const ModelParts& parts, std::size_t s,
-                            const std::vector<std::uint32_t>& sky_cells,
-                            const std::vector<std::uint32_t>& order, ValueCodec codec, System& system) {
-  const SystemRows& rows = parts.rows[s];
-  ImportTable imports(parts, sky_cells);
-  for (const auto& row : rows.clusters) imports.use(row);
-  for (const auto& row : rows.elements) imports.use(row);
-  if (s == 0) {
-    for (const auto& row : parts.sensor_rows) imports.use(row);
-  }
-  system.imports = imports.finish();
-  if (system.imports.size() > kMaxImports) {
-    return fail(ErrorCode::usage, fmt::format("system {} sees {} clusters and sky patches, more than the {} "
-                                              "that its columns can name; choose a larger cluster size",
-                                              system.name, system.imports.size(), kMaxImports));
-  }
-  BlockMatrixBuilder bounce(std::uint32_t(system.imports.size()), codec),
-      gather(std::uint32_t(system.imports.size()), codec);
-  for (const auto& row : rows.clusters) imports.append(row, bounce);
-  for (const auto e : order) {
-    if (parts.own_elements[s][e]) imports.append(rows.elements[e], gather);
-  }
-  if (s == 0) {
-    for (const auto& row : parts.sensor_rows) imports.append(row, gather);
-  }
-  system.bounce = std::move(bounce).finish();
-  system.gather = std::move(gather).finish();
-  return {};
-}
-
 Occluders make_occluders(const ModelParts& parts) {
   const Geometry& geometry = parts.geometry;
   Occluders occluders{geometry.positions, geometry.triangles, geometry.material, geometry.node, {}, {}, {}};
@@ -247,21 +155,23 @@ Result<Model> assemble_model(const ModelParts& parts, const PrecomputeOptions& o
   model.origin = parts.geometry.origin;
   model.max_albedo = options.max_albedo;
   model.sky_resolution = parts.sky_resolution;
-  model.sky_cells = used_sky_cells(parts);
+  model.sky_cells = parts.senders.sky_cells;
+  std::vector<std::vector<std::uint32_t>> orders;
   for (std::size_t s = 0; s < parts.surfaces.size(); ++s) {
     System system;
     system.name = parts.layouts[s].name;
     system.lightmap_width = parts.layouts[s].width;
     system.lightmap_height = parts.layouts[s].height;
-    const auto order = stored_order(parts.surfaces[s]);
+    orders.push_back(stored_order(parts.surfaces[s]));
+    const auto& order = orders.back();
     store_elements(parts.surfaces[s], order, system);
     store_clusters(parts, parts.surfaces[s], order, system);
     store_lumels(parts, s, order, system, report);
     store_charts(parts, parts.layouts[s], system);
-    if (auto stored = store_matrices(parts, s, model.sky_cells, order, options.codec, system); !stored)
-      return tl::unexpected(stored.error());
     model.systems.push_back(std::move(system));
   }
+  if (auto stored = store_matrices(parts, options, orders, model, report); !stored)
+    return tl::unexpected(stored.error());
   std::vector<bool> emits(parts.scene.materials.size(), false);
   for (const Emitter& e : parts.emitters.list)
     emits[parts.geometry.material[e.pieces[0].shape.triangle]] = true;

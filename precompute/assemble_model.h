@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/model.h"
+#include "precompute/number_senders.h"
 #include "precompute/precompute.h"
 #include "precompute/rows.h"
 
@@ -20,11 +21,12 @@ struct ModelParts {
   const std::vector<SystemRows>& rows;
   const std::vector<FormFactorRow>& sensor_rows;
   const Emitters& emitters;
+  const SenderTree& senders;
   std::uint32_t cluster_count = 0;
   std::uint32_t sky_resolution = 0;
 };
 
-/// The model without lights, camera and provenance. Sky cells that no row uses do not become sky patches.
+/// The model without lights, camera and provenance.
 /// Fails (usage) when a system sees more senders than columns can name.
 Result<Model> assemble_model(const ModelParts& parts, const PrecomputeOptions& options,
                              PrecomputeReport& report);

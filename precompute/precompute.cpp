@@ -99,8 +99,8 @@ std::string options_json(const PrecomputeOptions& options, const PrecomputeRepor
                          const RowOptions& rows) {
   constexpr std::array<const char*, 3> kCodecs{"f32", "unorm16", "sqrt8"};
   return fmt::format(
-      R"({{"texel_size":{},"cluster_size":{},"quality":{},"sensor_quality":{},"codec":"{}","max_albedo":{},"seed":{}}})",
-      report.texel_size, report.cluster_size, rows.quality, rows.sensor_quality,
+      R"({{"texel_size":{},"cluster_size":{},"quality":{},"sensor_quality":{},"budget":{},"codec":"{}","max_albedo":{},"seed":{}}})",
+      report.texel_size, report.cluster_size, rows.quality, rows.sensor_quality, options.budget,
       kCodecs[std::size_t(options.codec)], options.max_albedo, options.seed);
 }
 
@@ -130,7 +130,7 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
     return fail(ErrorCode::bad_input,
                 fmt::format("{}: every node says receiver \"none\"; nothing is left to receive light",
                             scene.file_name));
-  const auto surfaces = make_surfaces(scene, geometry, charts, *layouts, *caster, report);
+  auto surfaces = make_surfaces(scene, geometry, charts, *layouts, *caster, report);
   const Emitters emitters = possible_emitters(scene, charts, surfaces);
   const SenderLookup lookup(geometry, charts, *layouts, surfaces, *caster);
   report.seconds_surfaces = seconds_since(start);
@@ -153,15 +153,20 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   std::vector<SurfacePoint> sensor_points;
   for (const SensorPoint& sensor : options.sensors)
     sensor_points.push_back(lift_sensor(geometry, *caster, sensor.position, sensor.normal));
-  const auto sensor_rows = trace_sensors(row_scene, sensor_points, row_options, counts, observer);
+  auto sensor_rows = trace_sensors(row_scene, sensor_points, row_options, counts, observer);
   if (!sensor_rows) return tl::unexpected(sensor_rows.error());
   report.rays = counts.rays;
   report.occlusion_rays += counts.occlusion_rays;
   report.seconds_rays = seconds_since(rays_start);
 
-  const ModelParts parts{scene, geometry,     charts,   *layouts,      surfaces,      own,
-                         rows,  *sensor_rows, emitters, cluster_count, kSkyResolution};
+  const auto rows_start = std::chrono::steady_clock::now();
+  if (observer && !observer("rows", 0.0))
+    return fail(ErrorCode::cancelled, "stopped before rows were stored");
+  const SenderTree senders = number_senders(emitters, kSkyResolution, surfaces, rows, *sensor_rows);
+  const ModelParts parts{scene, geometry,     charts,   *layouts, surfaces,      own,
+                         rows,  *sensor_rows, emitters, senders,  cluster_count, kSkyResolution};
   auto model = assemble_model(parts, options, report);
+  report.seconds_rows = seconds_since(rows_start);
   if (!model) return model;
   add_sensors(options, *model);
   light_model(scene, geometry, *caster, *model, report.warnings);

@@ -34,6 +34,9 @@ struct PrecomputeOptions {
   double cluster_size = 0.0;    ///< m, 0 = from the scene (about 4 k clusters); never below the texel size
   std::uint32_t quality = 512;  ///< rays per lumel; a power of two is best
   std::uint32_t sensor_quality = 0;  ///< rays per sensor, 0 = 16 x quality, at least 4096
+  std::uint32_t budget = 0;  ///< nodes that a tile of 8 neighbouring rows keeps (a tile that sees more trees
+                             ///< keeps one each), four times as many for a sensor; 0: full rows
+  bool shrink_noise = true;  ///< with a budget: average what lumels of a tile differ by only because of noise
   ValueCodec codec = ValueCodec::f32;
   double max_albedo = 0.95;  ///< above 0, at most 0.9999
   std::uint64_t seed = 0;
@@ -49,8 +52,11 @@ struct PrecomputeReport {
   std::uint64_t occlusion_rays = 0;  ///< towards emitters and between neighbours
   std::uint64_t invalid_lumels = 0;
   std::uint64_t split_lumels = 0;
+  double cut_spread = 0.0;  ///< what the cut approximates, as a share of the hemisphere: mean over the lumels
+                            ///< of the system where it is largest
   double seconds_surfaces = 0.0;  ///< charts, lumels, clusters
   double seconds_rays = 0.0;      ///< rays and rows
+  double seconds_rows = 0.0;      ///< trees, cut, matrices
   double seconds_total = 0.0;
   std::vector<std::string> warnings;
 };

@@ -43,24 +43,34 @@ double largest(const Rgb& value) {
   return std::max({value.x, value.y, value.z});
 }
 
-/// Entries of the longest row.
+/// Entries of the longest row, zeros of its tile included.
 std::uint32_t longest_row(const Model& model) {
   std::uint32_t longest = 0;
   for (const System& system : model.systems) {
     for (const MatrixBlock& block : system.bounce.blocks) {
-      for (std::uint32_t row = 0; row < block.row_count; ++row) {
-        longest = std::max(longest, block.tile_offsets[row + 1] - block.tile_offsets[row]);
-      }
+      for (std::size_t tile = 0; tile + 1 < block.tile_offsets.size(); ++tile)
+        longest = std::max(longest, block.tile_offsets[tile + 1] - block.tile_offsets[tile]);
     }
   }
   return longest;
 }
 
+/// Leaves of the largest node.
+std::uint32_t largest_node(const Model& model) {
+  std::uint32_t largest = 0;
+  for (const System& system : model.systems) {
+    for (const TreeNode& node : system.tree) largest = std::max(largest, node.count);
+  }
+  return largest;
+}
+
 /// Roundings of one bounce, each at most 2^-24 of its result: the product of an entry, the additions of its
 /// lane, 3 of the tree, 3 of the scale, 3 of B = M + albedo (H + I), 2 of the stored albedo and exitance or
-/// direct irradiance.
-double rounding_of_bounce(std::uint32_t row_entries) {
-  return (std::ceil(row_entries / 8.0) + 12.0) * 0x1p-24;
+/// direct irradiance. Of the mean of a node: the stored weight, its product, the additions of its lane, 3 of
+/// the tree, 2 of the scale.
+double rounding_of_bounce(std::uint32_t row_entries, std::uint32_t node_leaves) {
+  const double of_node = node_leaves > 0 ? std::ceil(node_leaves / 8.0) + 7.0 : 0.0;
+  return (std::ceil(row_entries / 8.0) + 12.0 + of_node) * 0x1p-24;
 }
 
 bool finite(const Residual& residual) {
@@ -219,7 +229,8 @@ Result<DeviceSolution> solve_on_device(StandaloneDevice& device, const Model& mo
   }
   out.seconds.upload = watch.lap();
 
-  BounceLoop loop(*session, contraction, rounding_of_bounce(longest_row(model)), rule, options);
+  BounceLoop loop(*session, contraction, rounding_of_bounce(longest_row(model), largest_node(model)), rule,
+                  options);
   if (auto bounced = loop.run(out); !bounced) return failed(bounced.error());
   out.seconds.bounces = watch.lap();
   if (auto gathered = gather(*session, out); !gathered) return failed(gathered.error());

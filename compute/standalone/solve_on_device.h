@@ -41,7 +41,7 @@ struct DeviceSolution {
   /// As solve_reference gives it. `error_bound` is of the iteration: what bounces not done would change.
   Solution solution;
   /// What 32-bit rounding can do on top, at worst, relative to max |B|: (ceil(n / 8) + 12) 2^-24 max(B / v) /
-  /// (1 - q), n: the longest row.
+  /// (1 - q), n: the longest row; with nodes of at most m leaves ceil(m / 8) + 7 more.
   double rounding_bound = 0.0;
   /// The tolerance was not reached because rounding keeps the residual from falling further.
   bool limited_by_rounding = false;

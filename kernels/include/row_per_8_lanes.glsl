@@ -8,8 +8,8 @@ shared vec4 lane_sums[kWorkgroupSize];
 
 vec3 lane_product(uint row, uint lane) {
   precise vec3 sum = vec3(0.0);
-  const uint end = tile_offsets[row + 1u];
-  for (uint entry = tile_offsets[row] + lane; entry < end; entry += kLanes) add_entry(sum, entry);
+  const uint end = end_entry(row);
+  for (uint entry = first_entry(row) + lane; entry < end; entry += kLanes) add_entry(sum, row, entry);
   return sum;
 }
 

@@ -6,26 +6,26 @@
 vec3 row_product(uint row) {
   precise vec3 s0 = vec3(0.0), s1 = vec3(0.0), s2 = vec3(0.0), s3 = vec3(0.0);
   precise vec3 s4 = vec3(0.0), s5 = vec3(0.0), s6 = vec3(0.0), s7 = vec3(0.0);
-  uint entry = tile_offsets[row];
-  const uint end = tile_offsets[row + 1u];
+  uint entry = first_entry(row);
+  const uint end = end_entry(row);
   for (; entry + kLanes <= end; entry += kLanes) {
-    add_entry(s0, entry);
-    add_entry(s1, entry + 1u);
-    add_entry(s2, entry + 2u);
-    add_entry(s3, entry + 3u);
-    add_entry(s4, entry + 4u);
-    add_entry(s5, entry + 5u);
-    add_entry(s6, entry + 6u);
-    add_entry(s7, entry + 7u);
+    add_entry(s0, row, entry);
+    add_entry(s1, row, entry + 1u);
+    add_entry(s2, row, entry + 2u);
+    add_entry(s3, row, entry + 3u);
+    add_entry(s4, row, entry + 4u);
+    add_entry(s5, row, entry + 5u);
+    add_entry(s6, row, entry + 6u);
+    add_entry(s7, row, entry + 7u);
   }
   const uint rest = end - entry;
-  if (rest > 0u) add_entry(s0, entry);
-  if (rest > 1u) add_entry(s1, entry + 1u);
-  if (rest > 2u) add_entry(s2, entry + 2u);
-  if (rest > 3u) add_entry(s3, entry + 3u);
-  if (rest > 4u) add_entry(s4, entry + 4u);
-  if (rest > 5u) add_entry(s5, entry + 5u);
-  if (rest > 6u) add_entry(s6, entry + 6u);
+  if (rest > 0u) add_entry(s0, row, entry);
+  if (rest > 1u) add_entry(s1, row, entry + 1u);
+  if (rest > 2u) add_entry(s2, row, entry + 2u);
+  if (rest > 3u) add_entry(s3, row, entry + 3u);
+  if (rest > 4u) add_entry(s4, row, entry + 4u);
+  if (rest > 5u) add_entry(s5, row, entry + 5u);
+  if (rest > 6u) add_entry(s6, row, entry + 6u);
   return row_result(row, s0, s1, s2, s3, s4, s5, s6, s7);
 }
 

@@ -7,6 +7,9 @@
 //   the row         sum = ((s_0 + s_4) + (s_2 + s_6)) + ((s_1 + s_5) + (s_3 + s_7))
 //   the product     sum * row_scale                      codec f32, code = the stored float
 //                   sum * (row_scale * (1 / 65535))      codec unorm16, code = the stored integer
+//                   sum * (row_scale * (1 / 65025))      codec sqrt8, code = the square of the stored integer
+//
+// The entries of a row are the columns of its tile, zeros included.
 //
 // Each product and each addition is rounded on its own (`precise`). Not fma: glslang cannot mark the fma of GLSL as precise,
 // and one that is not may be split by one driver and fused by another (lavapipe splits it).
@@ -14,9 +17,11 @@
 #define RELUME_ROW_PRODUCT_GLSL
 
 #include "../shared/bindings.h"
+#include "lane_tree.glsl"
 #include "range.glsl"
 
 layout(constant_id = kCodecConstant) const uint kCodec = kCodecF32;
+layout(constant_id = kTileRowsConstant) const uint kTileRows = 1u;
 layout(constant_id = kFetchConstant) const uint kFetch = kFetchStorage;
 
 layout(set = kSystemSet, binding = kLocalRadiosityBinding, std430) readonly restrict buffer LocalRadiosity {
@@ -53,23 +58,32 @@ uint half_word(uint word, uint index) { return (index & 1u) == 0u ? word & 0xfff
 
 uint column_of(uint entry) { return half_word(column_word(entry >> 1), entry); }
 
-float code_of(uint entry) {
-  if (kCodec == kCodecUnorm16) return float(half_word(value_word(entry >> 1), entry));
-  return uintBitsToFloat(value_word(entry));
+/// Code number `index` of the block.
+float code_at(uint index) {
+  if (kCodec == kCodecUnorm16) return float(half_word(value_word(index >> 1), index));
+  if (kCodec == kCodecSqrt8) {
+    const uint root = (value_word(index >> 2) >> (8u * (index & 3u))) & 0xffu;
+    return float(root * root);
+  }
+  return uintBitsToFloat(value_word(index));
 }
 
-/// Adds one entry to the sum of its lane.
-void add_entry(inout precise vec3 lane_sum, uint entry) {
-  precise vec3 term = code_of(entry) * radiosity_of(column_of(entry));
+uint first_entry(uint row) { return tile_offsets[row / kTileRows]; }
+
+uint end_entry(uint row) { return tile_offsets[row / kTileRows + 1u]; }
+
+/// Adds one entry of a row to the sum of its lane.
+void add_entry(inout precise vec3 lane_sum, uint row, uint entry) {
+  precise vec3 term = code_at(entry * kTileRows + row % kTileRows) * radiosity_of(column_of(entry));
   lane_sum = lane_sum + term;
 }
 
 /// The fixed tree over the lanes, and the scale of the row.
 vec3 row_result(uint row, vec3 s0, vec3 s1, vec3 s2, vec3 s3, vec3 s4, vec3 s5, vec3 s6, vec3 s7) {
-  precise vec3 sum = ((s0 + s4) + (s2 + s6)) + ((s1 + s5) + (s3 + s7));
   precise float scale = row_scales[row];
   if (kCodec == kCodecUnorm16) scale = scale * (1.0 / 65535.0);
-  precise vec3 product = sum * scale;
+  if (kCodec == kCodecSqrt8) scale = scale * (1.0 / 65025.0);
+  precise vec3 product = lane_tree(s0, s1, s2, s3, s4, s5, s6, s7) * scale;
   return product;
 }
 

@@ -20,22 +20,23 @@ const uint kExitanceBinding = 3u;      // vec4 per cluster, lm/m2
 const uint kDirectBinding = 4u;        // vec4 per cluster: H, lm/m2
 const uint kWeightsBinding = 5u;       // vec4 per cluster: v of the contraction bound, > 0
 const uint kResidualBinding = 6u;      // one ResidualRecord
-const uint kSolveBindings = 7u;
+const uint kLeafWeightsBinding = 7u;   // float per sender: what it counts for in the mean of a node (m2, sr)
+const uint kSolveBindings = 8u;
 
 /// Set of one system.
 const uint kSystemSet = 1u;
-const uint kImportsBinding = 0u;         // uint per import: number of the sender
+const uint kImportsBinding = 0u;         // uvec4 per import: first leaf, number of leaves, bits of 1 / their weight, 0
 const uint kLocalRadiosityBinding = 1u;  // vec4 per import: b of the sender
 const uint kIrradianceBinding = 2u;      // vec4 per gather row of the system: I, lm/m2
 const uint kSystemBindings = 3u;
 const uint kLocalRadiosityTexelsBinding = 3u;  // rgba32f
 const uint kSystemTexelBindings = 1u;
 
-/// Set of one block of a bounce or gather matrix, in the format of core/block_matrix.h with tiles of one row.
+/// Set of one block of a bounce or gather matrix, in the format of core/block_matrix.h.
 const uint kBlockSet = 2u;
-const uint kTileOffsetsBinding = 0u;  // uint per row, and one at the end
+const uint kTileOffsetsBinding = 0u;  // uint per tile, and one at the end
 const uint kColumnsBinding = 1u;      // two 16-bit columns in a uint, the first in the low half
-const uint kValuesBinding = 2u;       // f32: bits of a float in a uint; unorm16: two codes in a uint, the first in the low half
+const uint kValuesBinding = 2u;       // f32: bits of a float in a uint; unorm16 and sqrt8: two and four codes in a uint, the first lowest
 const uint kRowScalesBinding = 3u;    // float per row
 const uint kBlockBindings = 4u;
 const uint kColumnTexelsBinding = 4u;  // r32ui
@@ -48,11 +49,15 @@ const uint kSets = 3u;
 const uint kCodecConstant = 0u;
 const uint kCodecF32 = 0u;
 const uint kCodecUnorm16 = 1u;
+const uint kCodecSqrt8 = 2u;
 
 /// Specialization constant: where row products read from.
 const uint kFetchConstant = 1u;
 const uint kFetchStorage = 0u;  // storage buffers
 const uint kFetchTexels = 1u;   // texel buffers
+
+/// Specialization constant: rows of a tile, 1 or 8.
+const uint kTileRowsConstant = 2u;
 
 RELUME_SHARED_END
 

@@ -186,9 +186,11 @@ class Parser {
     add_number(command, "--texel-size", options.texel_size, kLength, "Default: about 40 k lumels");
     add_path(command, "--sensors", "CSV", precompute_.sensors, "Header id,px,py,pz,nx,ny,nz");
     add_choice(
-        command, "--codec", {"f32", "unorm16"},
+        command, "--values,--codec", {"f32", "unorm16", "sqrt8"},
         [&options](std::size_t k) { options.codec = static_cast<ValueCodec>(k); },
         "How form factors are stored (default f32)");
+    add_number(command, "--budget", options.budget, kCountOrZero,
+               "Nodes of the cluster trees that 8 neighbouring rows keep (default 0: full rows)");
     add_number(command, "--max-albedo", options.max_albedo, kAlbedo,
                "Albedos above are clamped (default 0.95)");
     add_number(command, "--threads", options.threads, kCount, "Default: all");

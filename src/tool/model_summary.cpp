@@ -28,6 +28,7 @@ JsonObject system_json(const System& system, const MatrixSummary& bounce, const 
           {"clusters", system.clusters.size()},
           {"lumels", system.lumels.size()},
           {"sensors", system.sensors.size()},
+          {"tree_nodes", system.tree.size()},
           {"imports", system.imports.size()},
           {"lightmap", JsonArray{system.lightmap_width, system.lightmap_height}},
           {"bounce", matrix_json(bounce)},
@@ -54,13 +55,18 @@ ModelSummary summarise_model(const Model& model) {
     add(summary.bounce, bounce);
     add(summary.gather, gather);
     summary.clusters += system.clusters.size();
+    summary.tree_nodes += system.tree.size();
+    summary.imports += system.imports.size();
     summary.lumels += system.lumels.size();
     summary.sensors += system.sensors.size();
     for (const Cluster& cluster : system.clusters) summary.area += cluster.area;
     for (const Lumel& lumel : system.lumels) summary.invalid_lumels += (lumel.flags & kLumelInvalid) != 0;
     summary.systems.push_back(system_json(system, bounce, gather));
   }
-  summary.bounce.columns = static_cast<std::uint32_t>(summary.clusters + summary.sky_patches);
+  summary.tree_nodes += model.sky_tree.size();
+  summary.options = model.provenance.options;
+  summary.bounce.columns =
+      static_cast<std::uint32_t>(summary.clusters + summary.sky_patches + summary.tree_nodes);
   summary.gather.columns = summary.bounce.columns;
   return summary;
 }
@@ -70,6 +76,8 @@ std::vector<std::string> summary_lines(const ModelSummary& summary) {
       fmt::format("{} systems, {} clusters, {} lumels, {} sensors, {} sky patches, {:.6g} m2, {} triangles",
                   summary.systems.size(), summary.clusters, summary.lumels, summary.sensors,
                   summary.sky_patches, summary.area, summary.occluder_triangles),
+      fmt::format("{} tree nodes, {} imports; asked for {}", summary.tree_nodes, summary.imports,
+                  summary.options),
       matrix_line("bounce", summary.bounce), matrix_line("gather", summary.gather)};
 }
 
@@ -81,6 +89,9 @@ JsonObject summary_json(const ModelSummary& summary, std::uint64_t file_bytes) {
           {"sensors", summary.sensors},
           {"probes", 0},
           {"sky_patches", summary.sky_patches},
+          {"tree_nodes", summary.tree_nodes},
+          {"imports", summary.imports},
+          {"options", summary.options},
           {"area", summary.area},
           {"occluder_triangles", summary.occluder_triangles},
           {"bounce", matrix_json(summary.bounce)},

@@ -17,6 +17,9 @@ struct ModelSummary {
   std::uint64_t invalid_lumels = 0;
   std::uint64_t sensors = 0;
   std::uint64_t sky_patches = 0;
+  std::uint64_t tree_nodes = 0;  ///< of all systems and the sky
+  std::uint64_t imports = 0;     ///< of all systems
+  std::string options;           ///< what the precompute was asked for: a JSON object
   std::uint64_t occluder_triangles = 0;
   double area = 0.0;  ///< m2, of all clusters
   MatrixSummary bounce;

@@ -36,8 +36,10 @@ JsonObject report_json(const PrecomputeArguments& arguments, const PrecomputeRep
                                {"occlusion_rays", report.occlusion_rays},
                                {"invalid_lumels", report.invalid_lumels},
                                {"split_lumels", report.split_lumels},
+                               {"cut_spread", report.cut_spread},
                                {"seconds", JsonObject{{"surfaces", report.seconds_surfaces},
                                                       {"rays", report.seconds_rays},
+                                                      {"rows", report.seconds_rows},
                                                       {"total", report.seconds_total}}}});
   return object;
 }

@@ -107,11 +107,12 @@ TEST(PassPlan, ABarrierStandsBetweenImportsAndRows) {
 TEST(SolverLayout, SendersAreNumberedThrough) {
   const DrawnSystem three{{}, {{}, {}, {}}, {}};
   const DrawnSystem seventeen{{}, DenseMatrix(17), {}};
-  const SolverLayout layout = layout_of(drawn_model({three, seventeen}, 5));
+  const Model model = drawn_model({three, seventeen}, 5);
+  const SolverLayout layout = layout_of(model);
   EXPECT_EQ(layout.systems[1].first_cluster, 3u);
-  EXPECT_EQ(sender_number(layout, {0, 2}), 2u);
-  EXPECT_EQ(sender_number(layout, {1, 16}), 19u);
-  EXPECT_EQ(sender_number(layout, {kSkySystem, 4}), 24u);
+  EXPECT_EQ(leaf_range(model, layout, {0, 2}), (LeafRange{2, 1}));
+  EXPECT_EQ(leaf_range(model, layout, {1, 16}), (LeafRange{19, 1}));
+  EXPECT_EQ(leaf_range(model, layout, {kSkySystem, 4}), (LeafRange{24, 1}));
   EXPECT_EQ(layout.buffers[kRadiosityA].byte_size, 25u * 16u);
   EXPECT_EQ(layout.buffers[kAlbedo].byte_size, 20u * 16u);
 }
@@ -138,19 +139,26 @@ TEST(SolverLayout, RefusesABufferThatTheDeviceCannotBind) {
   EXPECT_THAT(layout.error().message, HasSubstr("'radiosity a' needs 80 bytes"));
 }
 
-TEST(SolverLayout, RefusesFormatsWithoutAKernel) {
-  Model tiles = five_rows();
-  tiles.systems[0].bounce.blocks[0].tile_rows = 8;
-  const auto refused_tiles = solver_layout(tiles, {});
-  ASSERT_FALSE(refused_tiles);
-  EXPECT_EQ(refused_tiles.error().code, ErrorCode::bad_input);
-  EXPECT_THAT(refused_tiles.error().message, HasSubstr("found tiles of 8"));
+TEST(PassPlan, TilesAreNotTakenApart) {
+  // 20 rows of 4 entries in tiles of 8, 8 and 4 rows: 32 form factors a tile.
+  const DrawnSystem drawn{{{0, 0}, {0, 1}, {0, 2}, {0, 3}}, DenseMatrix(20, {0.1, 0.2, 0.3, 0.1}), {}};
+  const Model model = drawn_model({drawn}, 0, {ValueCodec::f32, kMaxBlockBytes, 8});
+  const Pass pass = plan_pass(model, layout_of(model), StepKernel::bounce, RowKernel::row_per_thread, 70);
+  ASSERT_EQ(pass.size(), 3u);
+  EXPECT_EQ(pass[1].range.count, 16u);
+  EXPECT_EQ(pass[1].cost, 64u);
+  EXPECT_EQ(pass[2].range.first_row, 16u);
+  EXPECT_EQ(pass[2].range.count, 4u);
+}
 
-  Model codec = five_rows();
-  codec.systems[0].bounce.blocks[0].codec = ValueCodec::sqrt8;
-  const auto refused_codec = solver_layout(codec, {});
-  ASSERT_FALSE(refused_codec);
-  EXPECT_THAT(refused_codec.error().message, HasSubstr("bounce matrix of system 'system 1'"));
+TEST(SolverLayout, NodesAreRangesOfLeaves) {
+  const DrawnSystem three{{}, {{}, {}, {}}, {}};
+  Model model = drawn_model({three, three}, 5);
+  model.systems[1].tree = {{1, 2}};
+  model.sky_tree = {{0, 2}, {2, 3}};
+  const SolverLayout layout = layout_of(model);
+  EXPECT_EQ(leaf_range(model, layout, {1, 3}), (LeafRange{4, 2}));
+  EXPECT_EQ(leaf_range(model, layout, {kSkySystem, 6}), (LeafRange{8, 3}));
 }
 
 }  // namespace

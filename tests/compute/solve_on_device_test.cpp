@@ -142,19 +142,44 @@ TEST_F(SolveOnDevice, StopsWhenRoundingHoldsTheResidualUp) {
   EXPECT_LT(out.solution.error_bound, 1e-5);
 }
 
-TEST_F(SolveOnDevice, ManySystemsAndBlocksAgreeWithTheReference) {
-  for (const ValueCodec codec : {ValueCodec::f32, ValueCodec::unorm16}) {
-    const Model model = random_model({}, 31, {codec, 600});
-    ASSERT_GT(model.systems[2].bounce.blocks.size(), 5u);
-    const Lighting lighting = random_lighting(model, 32);
-    for (const RowKernel kernel : {RowKernel::row_per_thread, RowKernel::row_per_8_lanes}) {
-      SCOPED_TRACE(std::string(row_kernel_name(kernel)) + ", codec " +
-                   std::to_string(static_cast<int>(codec)));
-      const DeviceSolution out = solve(model, lighting, {1000, 1e-6}, {.kernel = kernel});
-      EXPECT_EQ(out.kernel, row_kernel_name(kernel));
-      EXPECT_TRUE(agrees_with_reference(out, model, lighting));
+TEST_F(SolveOnDevice, ManySystemsAndBlocksOfAllFormatsAgreeWithTheReference) {
+  for (const ValueCodec codec : {ValueCodec::f32, ValueCodec::unorm16, ValueCodec::sqrt8}) {
+    for (const std::uint32_t tile_rows : {1u, 8u}) {
+      const Model model = random_model({}, 31, {codec, 600 * tile_rows, tile_rows});
+      ASSERT_GT(model.systems[2].bounce.blocks.size(), 3u);
+      ASSERT_EQ(model.systems[2].bounce.blocks[0].tile_rows, tile_rows);
+      const Lighting lighting = random_lighting(model, 32);
+      std::optional<DeviceSolution> first;
+      for (const RowKernel kernel : {RowKernel::row_per_thread, RowKernel::row_per_8_lanes}) {
+        SCOPED_TRACE(std::string(row_kernel_name(kernel)) + ", codec " +
+                     std::to_string(static_cast<int>(codec)) + ", tiles of " + std::to_string(tile_rows));
+        const DeviceSolution out = solve(model, lighting, {30, 0.0}, {.kernel = kernel});
+        EXPECT_EQ(out.kernel, row_kernel_name(kernel));
+        EXPECT_TRUE(agrees_with_reference(out, model, lighting));
+        if (!first) first = out;
+        EXPECT_EQ(out.irradiance, first->irradiance) << "kernels differ in their bits";
+      }
     }
   }
+}
+
+TEST_F(SolveOnDevice, NodesAreTheMeansOfTheirLeaves) {
+  const Model model = random_model({.nodes = 25}, 41, {ValueCodec::f32, kMaxBlockBytes, 8});
+  const Lighting lighting = random_lighting(model, 42);
+  const DeviceSolution out = solve(model, lighting, {30, 0.0});
+  EXPECT_TRUE(agrees_with_reference(out, model, lighting));
+}
+
+// Two clusters of 1 and 3 m2 that shine 8 and 4 make a node of (8 + 3 * 4) / 4 = 5, of which the only row
+// receives a quarter. All of it is exact.
+TEST_F(SolveOnDevice, ANodeByHand) {
+  Model model = drawn_model({{{{0, 2}}, {{0.0}, {0.0}}, {{0.25}}}}, 0);
+  model.systems[0].clusters[0].area = 1.0f;
+  model.systems[0].clusters[1].area = 3.0f;
+  model.systems[0].tree = {{0, 2}};
+  Lighting lighting = uniform_lighting(2, Rgb(0.5), Rgb(8.0));
+  lighting.exitance[1] = Rgb(4.0);
+  EXPECT_EQ(solve(model, lighting, {1, 0.0}).irradiance[0], Rgb(1.25));
 }
 
 TEST_F(SolveOnDevice, RandomModelsAgreeWithTheReference) {

@@ -4,24 +4,48 @@
 #include <algorithm>
 #include <numeric>
 #include <set>
+#include <span>
 #include <utility>
 
 namespace relume::test {
 namespace {
 
+/// Columns of which any of the rows has something.
+std::vector<std::uint16_t> used_columns(std::span<const std::vector<double>> rows) {
+  std::vector<std::uint16_t> used;
+  for (std::size_t column = 0; column < rows[0].size(); ++column) {
+    if (std::any_of(rows.begin(), rows.end(), [column](const auto& row) { return row[column] != 0.0; }))
+      used.push_back(static_cast<std::uint16_t>(column));
+  }
+  return used;
+}
+
 BlockMatrix to_blocks(const DenseMatrix& dense, std::uint32_t columns, const Storage& storage) {
   BlockMatrixBuilder builder(columns, storage.codec, storage.max_block_bytes);
-  for (const std::vector<double>& row : dense) {
-    std::vector<std::uint16_t> indices;
+  for (std::size_t first = 0; first < dense.size(); first += storage.tile_rows) {
+    const auto rows =
+        std::span(dense).subspan(first, std::min<std::size_t>(storage.tile_rows, dense.size() - first));
+    const std::vector<std::uint16_t> indices = used_columns(rows);
     std::vector<double> values;
-    for (std::size_t column = 0; column < row.size(); ++column) {
-      if (row[column] == 0.0) continue;
-      indices.push_back(static_cast<std::uint16_t>(column));
-      values.push_back(row[column]);
+    for (const std::vector<double>& row : rows) {
+      for (const std::uint16_t column : indices) values.push_back(row[column]);
     }
-    builder.append_row(indices, values);
+    if (storage.tile_rows == 1) {
+      builder.append_row(indices, values);
+    } else {
+      builder.append_tile(indices, values, static_cast<std::uint32_t>(rows.size()));
+    }
   }
   return std::move(builder).finish();
+}
+
+std::vector<TreeNode> random_tree(Random& random, std::uint32_t nodes, std::uint32_t leaves) {
+  std::vector<TreeNode> tree;
+  for (std::uint32_t i = 0; i < nodes && leaves >= 2; ++i) {
+    const std::uint32_t first = random.below(leaves - 1);
+    tree.push_back({first, 2 + random.below(leaves - first - 1)});
+  }
+  return tree;
 }
 
 DenseMatrix random_rows(Random& random, std::uint32_t rows, std::uint32_t columns, const RandomShape& shape) {
@@ -43,10 +67,13 @@ DenseMatrix random_rows(Random& random, std::uint32_t rows, std::uint32_t column
 
 std::vector<SenderRef> all_senders(const RandomShape& shape) {
   std::vector<SenderRef> senders;
-  for (std::uint32_t system = 0; system < shape.clusters_of_system.size(); ++system) {
-    for (std::uint32_t i = 0; i < shape.clusters_of_system[system]; ++i) senders.push_back({system, i});
-  }
-  for (std::uint32_t i = 0; i < shape.sky_patches; ++i) senders.push_back({kSkySystem, i});
+  const auto add = [&](std::uint32_t system, std::uint32_t leaves) {
+    const std::uint32_t nodes = leaves >= 2 ? shape.nodes : 0;
+    for (std::uint32_t i = 0; i < leaves + nodes; ++i) senders.push_back({system, i});
+  };
+  for (std::uint32_t system = 0; system < shape.clusters_of_system.size(); ++system)
+    add(system, shape.clusters_of_system[system]);
+  add(kSkySystem, shape.sky_patches);
   return senders;
 }
 
@@ -88,7 +115,13 @@ Model random_model(const RandomShape& shape, std::uint64_t seed, const Storage& 
     system.gather = random_rows(random, shape.gather_rows, columns, shape);
     systems.push_back(std::move(system));
   }
-  return drawn_model(systems, shape.sky_patches, storage);
+  Model model = drawn_model(systems, shape.sky_patches, storage);
+  for (System& system : model.systems) {
+    for (Cluster& cluster : system.clusters) cluster.area = static_cast<float>(0.1 + random.unit());
+    system.tree = random_tree(random, shape.nodes, static_cast<std::uint32_t>(system.clusters.size()));
+  }
+  model.sky_tree = random_tree(random, shape.nodes, shape.sky_patches);
+  return model;
 }
 
 Lighting random_lighting(const Model& model, std::uint64_t seed) {

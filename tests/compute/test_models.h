@@ -24,6 +24,7 @@ struct DrawnSystem {
 struct Storage {
   ValueCodec codec = ValueCodec::f32;
   std::size_t max_block_bytes = kMaxBlockBytes;
+  std::uint32_t tile_rows = 1;
 };
 
 Model drawn_model(const std::vector<DrawnSystem>& systems, std::uint32_t sky_patches,
@@ -44,11 +45,12 @@ struct RandomShape {
   std::vector<std::uint32_t> clusters_of_system = {37, 1, 120, 64};
   std::uint32_t gather_rows = 90;  ///< per system
   std::uint32_t sky_patches = 11;
+  std::uint32_t nodes = 0;         ///< per system that has two clusters, and of the sky: ranges of any length
   std::uint32_t row_entries = 40;  ///< at most; every seventh row is empty
   double row_sum = 0.95;
 };
 
-/// Every system imports all clusters of all systems and all sky patches, in shuffled order.
+/// Every system imports all clusters, nodes and sky patches, in shuffled order. Areas differ.
 Model random_model(const RandomShape& shape, std::uint64_t seed, const Storage& storage = {});
 
 /// Albedo up to 0.9, and different light in every channel, cluster and sky patch.

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+//
+// Numbers senders in the order of their cluster trees, once the rays have shown what sees what.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "precompute/cluster_tree.h"
+#include "precompute/emitters.h"
+#include "precompute/rows.h"
+#include "precompute/sender_lookup.h"
+
+namespace relume {
+
+/// The senders of a model, numbered through: the clusters of all systems, then the sky patches.
+struct SenderTree {
+  ClusterTree tree;                      ///< over all of them; no node spans two systems
+  std::vector<double> weights;           ///< per sender: area (m2), or solid angle
+  std::vector<bool> sampled_by_area;     ///< per sender: a possible emitter; no node mixes them with others
+  std::vector<std::uint32_t> rooms;      ///< per cluster: what room it is in
+  std::vector<std::uint32_t> sky_cells;  ///< per sky patch: its cell; those that some row sees
+};
+
+/// Gives clusters and sky cells new numbers, in `surfaces` and in all rows. Every cluster tree holds clusters
+/// of one system, one room, and possible emitters or others. Rooms are what light can reach: clusters are in
+/// one room when a chain of form factors joins them, the sky left aside. So no node lies on two sides of a
+/// wall that seals.
+SenderTree number_senders(const Emitters& emitters, std::uint32_t sky_resolution,
+                          std::vector<ClusteredSurface>& surfaces, std::vector<SystemRows>& rows,
+                          std::vector<FormFactorRow>& sensor_rows);
+
+}  // namespace relume
