@@ -96,8 +96,6 @@ void number_clusters(const Emitters& emitters, const std::vector<std::uint32_t>&
   for (std::uint32_t i = 0; i < order.size(); ++i) {
     numbers[surface.first_cluster + order[i]] = surface.first_cluster + i;
     senders.weights.push_back(leaves[order[i]].area);
-    senders.sampled_by_area.push_back(leaves[order[i]].group % 2 == 1);
-    senders.rooms.push_back(leaves[order[i]].group / 2);
   }
   for (auto& cluster : surface.cluster)
     cluster = numbers[surface.first_cluster + cluster] - surface.first_cluster;
@@ -137,7 +135,6 @@ void number_sky(const std::vector<bool>& seen, std::uint32_t cluster_count, std:
   for (std::uint32_t i = 0; i < order.size(); ++i) {
     numbers[cluster_count + cells[order[i]]] = cluster_count + i;
     senders.weights.push_back(leaves[order[i]].area);
-    senders.sampled_by_area.push_back(false);
     senders.sky_cells.push_back(cells[order[i]]);
   }
 }

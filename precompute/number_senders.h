@@ -17,8 +17,6 @@ namespace relume {
 struct SenderTree {
   ClusterTree tree;                      ///< over all of them; no node spans two systems
   std::vector<double> weights;           ///< per sender: area (m2), or solid angle
-  std::vector<bool> sampled_by_area;     ///< per sender: a possible emitter; no node mixes them with others
-  std::vector<std::uint32_t> rooms;      ///< per cluster: what room it is in
   std::vector<std::uint32_t> sky_cells;  ///< per sky patch: its cell; those that some row sees
 };
 

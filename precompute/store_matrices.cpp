@@ -18,7 +18,7 @@ constexpr std::uint32_t kSensorShare = 4;  ///< budget of a sensor, which shares
 /// Rows that follow each other in a matrix, and their tiles; without a budget there are none, and every row
 /// is a tile of its leaves.
 struct RowGroup {
-  std::vector<RowToCut> rows;
+  std::vector<const FormFactorRow*> rows;
   std::vector<CutTile> tiles;
 };
 
@@ -27,23 +27,15 @@ struct SystemRowGroups {
   RowGroup clusters, lumels, sensors;
 };
 
-SystemRowGroups row_groups(const ModelParts& parts, std::size_t s, const std::vector<std::uint32_t>& order,
-                           const System& system) {
+SystemRowGroups row_groups(const ModelParts& parts, std::size_t s, const std::vector<std::uint32_t>& order) {
   SystemRowGroups groups;
-  const ClusteredSurface& surface = parts.surfaces[s];
-  const auto room = [&](std::uint32_t cluster) {
-    return parts.senders.rooms[surface.first_cluster + cluster];
-  };
-  for (std::uint32_t c = 0; c < surface.cluster_count; ++c)
-    groups.clusters.rows.push_back({&parts.rows[s].clusters[c], system.clusters[c].normal, room(c)});
+  for (const FormFactorRow& row : parts.rows[s].clusters) groups.clusters.rows.push_back(&row);
   for (const auto e : order) {
-    if (!parts.own_elements[s][e]) continue;
-    groups.lumels.rows.push_back(
-        {&parts.rows[s].elements[e], surface.surface.elements[e].normal, room(surface.cluster[e])});
+    if (parts.own_elements[s][e]) groups.lumels.rows.push_back(&parts.rows[s].elements[e]);
   }
   // Sensors go to the first system: only there are their rows needed.
   if (s == 0) {
-    for (const FormFactorRow& row : parts.sensor_rows) groups.sensors.rows.push_back({&row});
+    for (const FormFactorRow& row : parts.sensor_rows) groups.sensors.rows.push_back(&row);
   }
   return groups;
 }
@@ -55,11 +47,11 @@ void cut_groups(const ModelParts& parts, const PrecomputeOptions& options, Syste
       std::uint32_t(double(options.quality) * std::max<double>(1.0, double(lumels) / double(clusters)));
   const std::uint32_t sensor_rays = options.sensor_quality > 0 ? options.sensor_quality : options.quality;
   groups.clusters.tiles =
-      cut_rows(parts.senders, groups.clusters.rows, {kTileRows, options.budget, cluster_rays, false});
-  groups.lumels.tiles = cut_rows(parts.senders, groups.lumels.rows,
-                                 {kTileRows, options.budget, options.quality, options.shrink_noise});
+      cut_rows(parts.senders, groups.clusters.rows, {kTileRows, options.budget, cluster_rays});
+  groups.lumels.tiles =
+      cut_rows(parts.senders, groups.lumels.rows, {kTileRows, options.budget, options.quality});
   groups.sensors.tiles =
-      cut_rows(parts.senders, groups.sensors.rows, {1, kSensorShare * options.budget, sensor_rays, false});
+      cut_rows(parts.senders, groups.sensors.rows, {1, kSensorShare * options.budget, sensor_rays});
 }
 
 /// The leaf nodes of the tree, per sender.
@@ -76,10 +68,10 @@ using TileVisitor = std::function<void(const CutTile&)>;
 void visit_tiles(const RowGroup& group, const std::vector<std::uint32_t>& leaves, const TileVisitor& visit) {
   for (const CutTile& tile : group.tiles) visit(tile);
   if (!group.tiles.empty()) return;
-  for (const RowToCut& row : group.rows) {
+  for (const FormFactorRow* row : group.rows) {
     CutTile tile;
-    for (const auto sender : row.row->senders) tile.nodes.push_back(leaves[sender]);
-    tile.values.push_back(row.row->values);
+    for (const auto sender : row->senders) tile.nodes.push_back(leaves[sender]);
+    tile.values.push_back(row->values);
     visit(tile);
   }
 }
@@ -199,7 +191,7 @@ Result<void> store_matrices(const ModelParts& parts, const PrecomputeOptions& op
   const std::vector<std::uint32_t> leaves = leaf_nodes(parts.senders);
   NodeReferences references(parts);
   for (std::size_t s = 0; s < model.systems.size(); ++s) {
-    SystemRowGroups groups = row_groups(parts, s, element_orders[s], model.systems[s]);
+    SystemRowGroups groups = row_groups(parts, s, element_orders[s]);
     if (options.budget > 0) cut_groups(parts, options, groups);
     if (auto stored = store_system(parts, options, groups, leaves, references, model.systems[s], model);
         !stored)

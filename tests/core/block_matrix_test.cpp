@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <numeric>
@@ -300,6 +301,79 @@ TEST(CheckBlockMatrix, RefusesABlockThatIsTooLarge) {
   ASSERT_FALSE(checked);
   EXPECT_NE(checked.error().message.find("at most 67108864 bytes"), std::string::npos)
       << checked.error().message;
+}
+
+/// Rows that share columns, some with gaps: value of row r and column c at [r][c].
+test::DenseMatrix neighbours(std::mt19937_64& random, std::size_t rows, std::size_t columns) {
+  test::DenseMatrix dense;
+  for (std::size_t row = 0; row < rows; ++row) {
+    dense.push_back(random_row(random, columns, row == 0 ? 1.0 : 0.7));
+    for (std::size_t column = row; column < columns; column += 11) dense[row][column] = 0.0;
+  }
+  return dense;
+}
+
+class Tiles : public testing::TestWithParam<ValueCodec> {};
+
+TEST_P(Tiles, OfEightComeBackWithinOneStepAndKeepTheirSums) {
+  const ValueCodec codec = GetParam();
+  std::mt19937_64 random(3);
+  const std::size_t columns = 70;
+  const test::DenseMatrix dense = neighbours(random, 19, columns);
+  BlockMatrixBuilder builder(columns, codec, 4000);
+  for (std::size_t first = 0; first < dense.size(); first += 8) {
+    const std::size_t rows = std::min<std::size_t>(8, dense.size() - first);
+    std::vector<double> values;
+    for (std::size_t r = first; r < first + rows; ++r)
+      values.insert(values.end(), dense[r].begin(), dense[r].end());
+    builder.append_tile(first_columns(columns), values, static_cast<std::uint32_t>(rows));
+  }
+  const BlockMatrix matrix = std::move(builder).finish();
+  ASSERT_TRUE(check_block_matrix(matrix, "tiles"));
+  EXPECT_EQ(matrix.rows, 19u);
+  const test::DenseMatrix found = test::to_dense(decode(matrix));
+  for (std::size_t row = 0; row < dense.size(); ++row) {
+    const double top = *std::max_element(dense[row].begin(), dense[row].end());
+    const double sum = std::accumulate(dense[row].begin(), dense[row].end(), 0.0);
+    const double found_sum = std::accumulate(found[row].begin(), found[row].end(), 0.0);
+    EXPECT_LE(found_sum, std::min(1.0, sum) * (1.0 + 1e-15 * double(columns)));
+    EXPECT_GE(found_sum, sum * (1.0 - 0x1p-16));
+    for (std::size_t column = 0; column < columns; ++column) {
+      const double value = dense[row][column];
+      // Roundings of value, scale and repair in 32 bits; half a step of 16 bits; a whole one of 8 bits: (q +
+      // 1)^2 - q^2 with q = 255 sqrt(value / top). The repair of the sum scales by as much as the steps are
+      // off together: 1 % is far above it.
+      double step = 3 * 0x1p-23 * value;
+      if (codec == ValueCodec::unorm16) step = 0.5 * top / 65535.0 + 1e-4 * value;
+      if (codec == ValueCodec::sqrt8)
+        step = top * (2.0 * 255.0 * std::sqrt(value / top) + 1.0) / (255.0 * 255.0) + 0.01 * value;
+      EXPECT_NEAR(found[row][column], value, step + 1e-12) << "row " << row << ", column " << column;
+      if (value == 0.0) {
+        EXPECT_EQ(found[row][column], 0.0);
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Codecs, Tiles,
+                         testing::Values(ValueCodec::f32, ValueCodec::unorm16, ValueCodec::sqrt8));
+
+TEST(BlockMatrixBuilder, StartsABlockWhereTheTileSizeChangesAndAfterAPartlyEmptyTile) {
+  BlockMatrixBuilder builder(2, ValueCodec::f32);
+  const std::vector<std::uint16_t> columns{0, 1};
+  builder.append_tile(columns, std::vector<double>(16, 0.25), 8);
+  builder.append_tile(columns, std::vector<double>{0.5, 0.0, 0.25, 0.0}, 2);
+  builder.append_tile(columns, std::vector<double>(16, 0.125), 8);
+  builder.append_row(columns, std::vector<double>{0.5, 0.5});
+  const BlockMatrix matrix = std::move(builder).finish();
+  ASSERT_TRUE(check_block_matrix(matrix, "mixed"));
+  ASSERT_EQ(matrix.blocks.size(), 3u);
+  EXPECT_EQ(matrix.blocks[0].row_count, 10u);
+  EXPECT_EQ(matrix.blocks[0].columns, (std::vector<std::uint16_t>{0, 1, 0}))
+      << "a column of zeros is left out";
+  EXPECT_EQ(matrix.blocks[1].first_row, 10u);
+  EXPECT_EQ(matrix.blocks[2].tile_rows, 1u);
+  EXPECT_EQ(decode(matrix).rows, 19u);
 }
 
 }  // namespace

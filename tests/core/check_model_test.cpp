@@ -120,9 +120,18 @@ TEST(CheckModel, RefusesBrokenSurfaces) {
 TEST(CheckModel, RefusesBrokenImportsAndMatrices) {
   expect_refused({
       {[](Model& m) { m.systems[0].imports[0].system = 2; }, "import 0: expected a system below 2"},
-      {[](Model& m) { m.systems[0].imports[0].index = 1; }, "import 0: expected a cluster or node below 1, found 1"},
+      {[](Model& m) { m.systems[0].imports[0].index = 1; },
+       "import 0: expected a cluster or node below 1, found 1"},
       {[](Model& m) { m.systems[0].imports[1].index = 1; },
        "import 1: expected a sky patch or node below 1, found 1"},
+      {[](Model& m) {
+         m.systems[1].tree = {{0, 2}};
+       },
+       "system 1, tree node 0: expected at least 2 of 1 leaves"},
+      {[](Model& m) {
+         m.sky_tree = {{0, 1}};
+       },
+       "sky, tree node 0: expected at least 2 of 1 leaves"},
       {[](Model& m) { m.systems[0].imports[1] = m.systems[0].imports[0]; }, "each import once"},
       {[](Model& m) { m.systems[0].imports.pop_back(); },
        "bounce matrix: expected 1 rows and 1 columns, found 1 and 2"},

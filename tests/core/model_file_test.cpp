@@ -49,6 +49,19 @@ TEST(ModelFile, ComesBackAsItWas) {
   EXPECT_EQ(read->systems[1].bounce.blocks[0].values, model.systems[1].bounce.blocks[0].values);
 }
 
+TEST(ModelFile, KeepsNodesOfTrees) {
+  Model model = test::tiny_model();
+  model.sky_cells = {8, 3};
+  model.sky_tree = {{0, 2}};
+  model.systems[0].imports = {{1, 0}, {kSkySystem, 2}};
+  const auto read = decode_model(encode_model(model), "nodes");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->sky_tree, model.sky_tree);
+  EXPECT_EQ(read->systems[0].imports, model.systems[0].imports);
+  model.systems[0].imports[1].index = 3;
+  EXPECT_FALSE(decode_model(encode_model(model), "nodes")) << "there is no such node";
+}
+
 TEST(ModelFile, AnEmptyModelIsAModel) {
   const auto read = decode_model(encode_model(Model{}), "empty");
   ASSERT_TRUE(read) << read.error().message;

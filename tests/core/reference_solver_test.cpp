@@ -280,6 +280,68 @@ TEST(ReferenceMatrices, SortColumnsWhateverTheOrderOfImports) {
   EXPECT_FLOAT_EQ(static_cast<float>(bounce_matrix.values[0]), 0.5f);
 }
 
+// Two clusters of 1 and 3 m2 in one system, which imports their node, and two sky patches with theirs.
+Model model_with_nodes() {
+  Model model = test::tiny_model();
+  model.sky_cells = {8, 9};
+  model.sky_tree = {{0, 2}};
+  System& floor = model.systems[0];
+  floor.clusters.push_back(floor.clusters[0]);
+  floor.clusters[1].area = 3.0f;
+  floor.tree = {{0, 2}};
+  floor.imports = {{0, 2}, {kSkySystem, 2}};
+  BlockMatrixBuilder builder(2, ValueCodec::f32);
+  for (int row = 0; row < 2; ++row)
+    builder.append_row(std::vector<std::uint16_t>{0, 1}, std::vector<double>{0.25, 0.5});
+  floor.bounce = std::move(builder).finish();
+  return model;
+}
+
+TEST(ReferenceMatrices, NodesFollowTheLeavesAndAreTheirMeans) {
+  const ReferenceMatrices matrices = reference_matrices(model_with_nodes());
+  // Leaves: floor 0 and 1, lid, sky 0 and 1; then the node of the floor, and that of the sky.
+  EXPECT_EQ(matrices.bounce.rows.columns, 7u);
+  const test::DenseMatrix p = test::to_dense(matrices.bounce.nodes);
+  ASSERT_EQ(p.size(), 2u);
+  EXPECT_EQ(p[0], (std::vector<double>{0.25, 0.75, 0, 0, 0}));
+  // Both cells of a cube face of 2 x 2 cells have the same solid angle.
+  EXPECT_NEAR(p[1][3], 0.5, 1e-12);
+  EXPECT_NEAR(p[1][4], 0.5, 1e-12);
+  const test::DenseMatrix k = test::to_dense(matrices.bounce.rows);
+  EXPECT_EQ(k[0], (std::vector<double>{0, 0, 0, 0, 0, 0.25, 0.5}));
+
+  Lighting lighting = test::uniform_lighting(3, Rgb(0.5), Rgb(0.0));
+  lighting.sky_radiosity = {Rgb(2.0), Rgb(6.0)};
+  // Node of the floor: (1 * 8 + 3 * 4) / 4 = 5; of the sky: 4. B = 0.5 (5 / 4 + 4 / 2).
+  const std::vector<Rgb> b = bounce(matrices.bounce, lighting, {Rgb(8.0), Rgb(4.0), Rgb(0.0)});
+  EXPECT_NEAR(b[0].x, 1.625, 1e-12);
+}
+
+TEST(SolveReference, NodesGiveWhatTheirLeavesGiveWhereRadiosityIsTheSame) {
+  // Faces of a cube in two halves each; light and colour are the same on both halves, so that the radiosity
+  // is too: form factors to the node of a face, or half of them to each half.
+  const test::DenseMatrix cube = test::to_dense(test::cube_matrix());
+  test::DenseMatrix leaves(12, std::vector<double>(12, 0.0)), nodes(12, std::vector<double>(18, 0.0)),
+      p(6, std::vector<double>(12, 0.0));
+  for (std::size_t i = 0; i < 12; ++i) {
+    for (std::size_t face = 0; face < 6; ++face) {
+      leaves[i][2 * face] = leaves[i][2 * face + 1] = 0.5 * cube[i / 2][face];
+      nodes[i][12 + face] = cube[i / 2][face];
+      p[face][2 * face] = p[face][2 * face + 1] = 0.5;
+    }
+  }
+  Lighting lighting = test::uniform_lighting(12, Rgb(0.8, 0.5, 0.9), Rgb(0.0));
+  for (std::size_t i = 0; i < 12; ++i) lighting.exitance[i] = Rgb(double(i / 2), 1.0, i < 2 ? 5.0 : 0.0);
+  const auto full = solve_reference(test::to_csr(leaves, 12), lighting, {10000, 1e-10});
+  const SenderMatrix cut(test::to_csr(nodes, 18), test::to_csr(p, 12));
+  const auto with_nodes = solve_reference(cut, lighting, {10000, 1e-10});
+  ASSERT_TRUE(full && with_nodes);
+  for (std::size_t i = 0; i < 12; ++i)
+    EXPECT_NEAR(full->radiosity[i].x, with_nodes->radiosity[i].x, 1e-8 * full->radiosity[i].x);
+  // Both halves of a face receive alike, so the matrices have the same spectral radius.
+  EXPECT_NEAR(contraction_bound(cut, lighting.albedo).quotient.z, 0.9, 1e-6);
+}
+
 TEST(StoredLighting, IsThatOfTheModel) {
   const Lighting lighting = stored_lighting(test::tiny_model());
   ASSERT_EQ(lighting.albedo.size(), 2u);

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+//
+// Models whose rows are cut to a budget, on real rooms.
+#include <gtest/gtest.h>
+
+#include "core/model_file.h"
+#include "core/reference_solver.h"
+#include "support/scene_builder.h"
+#include "verification/rooms.h"
+#include "verification/whole_path.h"
+
+namespace relume::test {
+namespace {
+
+Scene furnished_corner() {
+  SceneBuilder b;
+  const auto wall = b.material("wall", Rgb(0.6)), lamp = b.material("lamp", Rgb(0.3), Rgb(50.0));
+  using P = glm::dvec3;
+  b.add_quad("floor", wall, {P(0, 0, 0), P(0, 0, 3), P(4, 0, 3), P(4, 0, 0)});
+  b.add_quad("wall/a", wall, {P(0, 0, 0), P(4, 0, 0), P(4, 2, 0), P(0, 2, 0)});
+  b.add_quad("wall/b", wall, {P(0, 0, 3), P(0, 0, 0), P(0, 2, 0), P(0, 2, 3)});
+  b.add_standing_box("cabinet", wall, P(1.03, 0, 0.57), P(1.71, 0.8, 1.13));
+  b.add_quad("lamp", lamp, {P(2, 1.8, 1), P(2.4, 1.8, 1), P(2.4, 1.8, 1.3), P(2, 1.8, 1.3)});
+  return b.scene();
+}
+
+PrecomputeOptions coarse(std::uint32_t budget) {
+  PrecomputeOptions options;
+  options.cluster_size = 0.25;
+  options.texel_size = 0.1;
+  options.quality = 64;
+  options.budget = budget;
+  options.sensors = {{"a", {2.0, 0.5, 0.3}, {0, 1, 0}}};
+  return options;
+}
+
+Agreement against_full(std::uint32_t budget, ValueCodec codec) {
+  const Scene scene = furnished_corner();
+  const Model full = precompute_or_throw(scene, coarse(0));
+  PrecomputeOptions options = coarse(budget);
+  options.codec = codec;
+  const Model cut = precompute_or_throw(scene, options);
+  const LightSources sky{{}, Rgb(100.0)};
+  return agreement(solve_and_gather(cut, light(cut, scene, sky)).indirect,
+                   solve_and_gather(full, light(full, scene, sky)).indirect);
+}
+
+TEST(Cut, ABudgetForAllLeavesGivesTheFullRows) {
+  // More nodes than there are senders. The cut stops refining where differences are noise; only rounding of
+  // row sums is left where it does not. What noise hides is less than the noise of 64 rays: 1 / sqrt(64 * 8)
+  // of a row that lights differ all over, and much less for the mean.
+  const Agreement all = against_full(100000, ValueCodec::f32);
+  EXPECT_LT(all.nrmse, 0.02);
+  EXPECT_LT(std::abs(all.bias), 0.002);
+}
+
+TEST(Cut, SmallBudgetsAndCodesKeepTheMean) {
+  for (const ValueCodec codec : {ValueCodec::f32, ValueCodec::unorm16, ValueCodec::sqrt8}) {
+    const Agreement few = against_full(32, codec);
+    // Row sums are kept, so that nodes only move light between neighbours.
+    EXPECT_LT(std::abs(few.bias), 0.02) << int(codec);
+    EXPECT_LT(few.nrmse, 0.1) << int(codec);
+  }
+}
+
+TEST(Cut, RowSumsAreThoseOfTheRays) {
+  const Scene scene = furnished_corner();
+  const Model full = precompute_or_throw(scene, coarse(0)), cut = precompute_or_throw(scene, coarse(64));
+  const ReferenceMatrices a = reference_matrices(full), b = reference_matrices(cut);
+  const auto sum = [](const CsrMatrix& m, std::uint32_t row) {
+    double total = 0.0;
+    for (auto e = m.row_offsets[row]; e < m.row_offsets[row + 1]; ++e) total += m.values[e];
+    return total;
+  };
+  ASSERT_EQ(a.gather.rows.rows, b.gather.rows.rows);
+  EXPECT_LT(b.gather.rows.values.size(), a.gather.rows.values.size());
+  // Sums of some hundred single precision numbers.
+  for (std::uint32_t row = 0; row < a.gather.rows.rows; ++row)
+    EXPECT_NEAR(sum(a.gather.rows, row), sum(b.gather.rows, row), 1e-5) << row;
+}
+
+TEST(Cut, TheSameBytesForAnyNumberOfThreads) {
+  std::vector<std::byte> alone;
+  for (const std::uint32_t threads : {1u, 7u}) {
+    PrecomputeOptions options = coarse(48);
+    options.threads = threads;
+    options.codec = ValueCodec::sqrt8;
+    const auto bytes = encode_model(precompute_or_throw(furnished_corner(), options));
+    if (alone.empty()) alone = bytes;
+    EXPECT_TRUE(bytes == alone) << threads << " threads";
+  }
+}
+
+class SealedRoomsCut : public testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(SealedRoomsCut, StayDarkBesideALitOne) {
+  const Scene scene = sealed_rooms(0.01);
+  PrecomputeOptions options;
+  options.cluster_size = 0.2;
+  options.texel_size = 0.1;
+  options.quality = 64;
+  options.budget = GetParam();
+  const Model model = precompute_or_throw(scene, options);
+  Light bulb;
+  bulb.intensity = Rgb(100.0);
+  bulb.position = {1.0, 1.0, 1.0};
+  const RunTimeLighting lit = light(model, scene, {{bulb}, {}});
+  const GatheredIrradiance gathered = solve_and_gather(model, lit);
+  double area[2]{}, flux[2]{};
+  const auto rows = gather_offsets(model);
+  for (std::size_t s = 0; s < model.systems.size(); ++s) {
+    const System& system = model.systems[s];
+    for (std::size_t l = 0; l < system.lumels.size(); ++l) {
+      const SurfaceElement& element = system.elements[system.lumels[l].element];
+      const bool between = element.position.x > 2.0f && element.position.x < 2.01f;
+      if (between || (system.lumels[l].flags & kLumelInvalid) != 0) continue;
+      const int side = element.position.x > 2.0f ? 1 : 0;
+      area[side] += element.area;
+      flux[side] += element.area * gathered.indirect[rows[s] + l].r;
+    }
+  }
+  EXPECT_GT(flux[0] / area[0], 10.0);
+  EXPECT_LT(flux[1] / area[1], 1e-4 * flux[0] / area[0]);
+}
+
+INSTANTIATE_TEST_SUITE_P(Budgets, SealedRoomsCut, testing::Values(16u, 32u, 64u, 128u));
+
+}  // namespace
+}  // namespace relume::test
