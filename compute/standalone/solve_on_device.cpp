@@ -199,7 +199,7 @@ Result<DeviceSolution> solve_on_device(StandaloneDevice& device, const Model& mo
   if (auto checked = check_lighting(model, lighting); !checked) return failed(checked.error());
   DeviceSolution out;
   Stopwatch watch;
-  const ContractionBound contraction = contraction_bound(reference_matrices(model).bounce, lighting.albedo);
+  const ContractionBound contraction = contraction_bound(reference_bounce_matrix(model), lighting.albedo);
   if (auto checked = check_contraction(contraction); !checked) return failed(checked.error());
   out.seconds.contraction = watch.lap();
 

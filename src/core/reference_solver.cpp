@@ -49,6 +49,16 @@ CsrMatrix empty_matrix(std::uint32_t columns) {
   return matrix;
 }
 
+/// One of the two matrices of all systems.
+CsrMatrix decoded_rows(const Model& model, BlockMatrix System::*matrix) {
+  const std::vector<std::uint32_t> clusters = cluster_offsets(model);
+  CsrMatrix all = empty_matrix(clusters.back() + static_cast<std::uint32_t>(model.sky_cells.size()));
+  for (const System& system : model.systems) {
+    append_rows(decode(system.*matrix), sender_numbers(model, system, clusters), all);
+  }
+  return all;
+}
+
 /// Radiosity of all senders: clusters, then sky patches.
 std::vector<Rgb> senders(const Lighting& lighting, const std::vector<Rgb>& radiosity) {
   std::vector<Rgb> all = radiosity;
@@ -132,15 +142,11 @@ Result<void> check_shapes(const CsrMatrix& matrix, const Lighting& lighting) {
 }  // namespace
 
 ReferenceMatrices reference_matrices(const Model& model) {
-  const std::vector<std::uint32_t> clusters = cluster_offsets(model);
-  const auto columns = clusters.back() + static_cast<std::uint32_t>(model.sky_cells.size());
-  ReferenceMatrices matrices{empty_matrix(columns), empty_matrix(columns)};
-  for (const System& system : model.systems) {
-    const std::vector<std::uint32_t> numbers = sender_numbers(model, system, clusters);
-    append_rows(decode(system.bounce), numbers, matrices.bounce);
-    append_rows(decode(system.gather), numbers, matrices.gather);
-  }
-  return matrices;
+  return {decoded_rows(model, &System::bounce), decoded_rows(model, &System::gather)};
+}
+
+CsrMatrix reference_bounce_matrix(const Model& model) {
+  return decoded_rows(model, &System::bounce);
 }
 
 std::vector<Rgb> bounce(const CsrMatrix& bounce_matrix, const Lighting& lighting,
