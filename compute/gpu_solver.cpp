@@ -15,7 +15,6 @@
 #include "kernels/shared/records.h"
 
 namespace relume {
-
 namespace {
 
 constexpr std::pair<RowKernel, std::string_view> kRowKernelNames[] = {
@@ -248,10 +247,6 @@ void GpuSolver::record_residual(VkCommandBuffer commands, RadiosityHalf last) co
 
 std::uint64_t GpuSolver::bounce_cost() const {
   return pass_cost(state_->bounce);
-}
-
-std::uint64_t GpuSolver::gather_cost() const {
-  return pass_cost(state_->gather);
 }
 
 BufferRange GpuSolver::radiosity(RadiosityHalf half) const {

@@ -10,7 +10,9 @@
 layout(set = kSolveSet, binding = kRadiosityInBinding, std430) readonly restrict buffer RadiosityIn {
   vec4 radiosity_in[];
 };
-layout(set = kSystemSet, binding = kImportsBinding, std430) readonly restrict buffer Imports { uint imports[]; };
+layout(set = kSystemSet, binding = kImportsBinding, std430) readonly restrict buffer Imports {
+  uint imports[];
+};
 layout(set = kSystemSet, binding = kLocalRadiosityBinding, std430) writeonly restrict buffer LocalRadiosity {
   vec4 local_radiosity[];
 };

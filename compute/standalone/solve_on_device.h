@@ -20,8 +20,8 @@ struct DeviceSolveOptions {
   std::optional<RowKernel> kernel;
   std::optional<MatrixFetch> fetch{};  ///< see SolverOptions
   std::uint64_t max_dispatch_form_factors = 4'000'000;
-  std::uint64_t max_submit_form_factors =
-      32'000'000;                 ///< a submission has no more, but at least one dispatch
+  /// A submission has no more, but at least one dispatch.
+  std::uint64_t max_submit_form_factors = 32'000'000;
   double timeout_seconds = 60.0;  ///< of one submission
   BounceObserver observer{};      ///< called after each residual, every few bounces
 };
