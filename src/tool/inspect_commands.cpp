@@ -19,6 +19,16 @@ JsonObject light_counts(const Model& model) {
           {"sky_radiance", model.sky_radiance ? JsonValue(*model.sky_radiance) : JsonValue()}};
 }
 
+JsonArray material_list(const Model& model) {
+  JsonArray materials;
+  for (const MaterialRecord& material : model.materials) {
+    materials.emplace_back(JsonObject{{"name", material.name},
+                                      {"double_sided", material.double_sided},
+                                      {"possible_emitter", material.possible_emitter}});
+  }
+  return materials;
+}
+
 }  // namespace
 
 Result<int> run(const InfoArguments& arguments, Console& console) {
@@ -38,7 +48,8 @@ Result<int> run(const InfoArguments& arguments, Console& console) {
   JsonObject object{{"file", arguments.file}};
   for (auto& member : summary_json(summary, file_bytes)) object.push_back(std::move(member));
   for (auto& member : light_counts(*model)) object.push_back(std::move(member));
-  object.insert(object.end(), {{"scene_file", model->provenance.scene_file},
+  object.insert(object.end(), {{"material_list", material_list(*model)},
+                               {"scene_file", model->provenance.scene_file},
                                {"tool", model->provenance.tool},
                                {"ray_tracer", model->provenance.ray_tracer},
                                {"options", model->provenance.options}});
