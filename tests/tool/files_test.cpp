@@ -292,7 +292,7 @@ TEST(Files, ExportedMatrixHasTheRowsThatInfoCounts) {
   const std::string folder = box.folder / "exported";
   const nlohmann::json exported = relume_json({"export", box.file, "--matrices", "mtx", "--glb", "--debug",
                                                "validity", "--debug", "clusters", "-o", folder});
-  EXPECT_EQ(exported.at("files").size(), 2u + 1u + 2u * 2u);
+  EXPECT_EQ(exported.at("files").size(), 2u + 1u + 2u * 3u);
   std::istringstream text(read_text(folder + "/bounce.mtx"));
   std::string line;
   std::getline(text, line);
