@@ -178,6 +178,10 @@ UploadData GpuSolver::lighting_data(const Lighting& lighting, const std::vector<
   return lighting_upload(lighting, weights, state_->layout);
 }
 
+UploadData GpuSolver::radiosity_data(const std::vector<Rgb>& radiosity, RadiosityHalf half) const {
+  return radiosity_upload(radiosity, half == RadiosityHalf::a ? kRadiosityA : kRadiosityB);
+}
+
 bool GpuSolver::record_upload(VkCommandBuffer commands, const UploadData& data, const Staging& staging,
                               UploadCursor& cursor) const {
   const ScopedLabel label(state_->functions, commands, "relume upload");

@@ -132,6 +132,9 @@ class GpuSolver {
   /// to nothing. `lighting` must be valid (check_lighting).
   UploadData lighting_data(const Lighting& lighting, const std::vector<Rgb>& weights) const;
 
+  /// Radiosity of all clusters (lm/m2) into one half, to bounce on from. Refers to nothing.
+  UploadData radiosity_data(const std::vector<Rgb>& radiosity, RadiosityHalf half) const;
+
   /// Copies as much of `data` as the staging memory (not empty) holds, from `cursor`, which moves on. True
   /// when all of it is recorded.
   bool record_upload(VkCommandBuffer commands, const UploadData& data, const Staging& staging,

@@ -27,10 +27,10 @@ struct DeviceSolveOptions {
 };
 
 struct DeviceSeconds {
-  double contraction = 0.0;  ///< the contraction bound, on the processor
   double create = 0.0;       ///< pipelines, buffers
-  double upload = 0.0;
-  double bounces = 0.0;  ///< with residuals; the first dispatch compiles on some drivers
+  double upload = 0.0;       ///< matrices
+  double contraction = 0.0;  ///< the contraction bound; the first dispatch compiles on some drivers
+  double bounces = 0.0;      ///< with residuals and the upload of the lighting
   double gather = 0.0;
   double download = 0.0;
   double gpu_bounces = 0.0;  ///< by timestamps; 0 when the queue has none
