@@ -145,10 +145,6 @@ ReferenceMatrices reference_matrices(const Model& model) {
   return {decoded_rows(model, &System::bounce), decoded_rows(model, &System::gather)};
 }
 
-CsrMatrix reference_bounce_matrix(const Model& model) {
-  return decoded_rows(model, &System::bounce);
-}
-
 std::vector<Rgb> bounce(const CsrMatrix& bounce_matrix, const Lighting& lighting,
                         const std::vector<Rgb>& radiosity) {
   const std::vector<Rgb> b = senders(lighting, radiosity);

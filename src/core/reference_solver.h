@@ -21,9 +21,6 @@ struct ReferenceMatrices {
 /// The model must be valid (check_model).
 ReferenceMatrices reference_matrices(const Model& model);
 
-/// Only `bounce` of the above, which is all that a contraction bound needs.
-CsrMatrix reference_bounce_matrix(const Model& model);
-
 /// One application of K: M + rho (H + K b), b = `radiosity` of the clusters followed by the sky's.
 std::vector<Rgb> bounce(const CsrMatrix& bounce_matrix, const Lighting& lighting, const std::vector<Rgb>& radiosity);
 
