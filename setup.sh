@@ -54,7 +54,20 @@ demo() {
   mkdir -p demo
   "$make_scene" demo -o demo/room.glb
   "$relume" precompute demo/room.glb -o demo/room.relume
-  "$relume" solve demo/room.relume -o demo/room
+  "$relume" solve demo/room.relume -o demo/day
+  cat >demo/night.materials.json <<'END'
+{ "materials": {
+    "window":     { "emission": [1, 1.5, 3] },
+    "lamp_panel": { "emission": [0, 0, 0] },
+    "wall_back":  { "albedo": [0.16, 0.30, 0.55] } } }
+END
+  cat >demo/night.lights.json <<'END'
+{ "lights": [
+    { "type": "point", "color": [1, 0.72, 0.42], "intensity": 120, "position": [1.6, 1.9, 2.6] } ] }
+END
+  echo "By night, from the same precompute: a dark window, a blue wall, one warm lamp"
+  "$relume" solve demo/room.relume -o demo/night --materials demo/night.materials.json --lights demo/night.lights.json
+  "$relume" export demo/room.relume -o demo --debug clusters
   "$relume" compare demo/room.relume
   echo
   echo "Pictures:"

@@ -15,7 +15,6 @@
 #include "kernels/shared/records.h"
 
 namespace relume {
-
 namespace {
 
 constexpr std::pair<RowKernel, std::string_view> kRowKernelNames[] = {
@@ -180,6 +179,10 @@ UploadData GpuSolver::lighting_data(const Lighting& lighting, const std::vector<
   return lighting_upload(lighting, weights, state_->layout);
 }
 
+UploadData GpuSolver::radiosity_data(const std::vector<Rgb>& radiosity, RadiosityHalf half) const {
+  return radiosity_upload(radiosity, half == RadiosityHalf::a ? kRadiosityA : kRadiosityB);
+}
+
 bool GpuSolver::record_upload(VkCommandBuffer commands, const UploadData& data, const Staging& staging,
                               UploadCursor& cursor) const {
   const ScopedLabel label(state_->functions, commands, "relume upload");
@@ -249,10 +252,6 @@ void GpuSolver::record_residual(VkCommandBuffer commands, RadiosityHalf last) co
 
 std::uint64_t GpuSolver::bounce_cost() const {
   return pass_cost(state_->bounce);
-}
-
-std::uint64_t GpuSolver::gather_cost() const {
-  return pass_cost(state_->gather);
 }
 
 BufferRange GpuSolver::radiosity(RadiosityHalf half) const {

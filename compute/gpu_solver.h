@@ -132,8 +132,11 @@ class GpuSolver {
   /// to nothing. `lighting` must be valid (check_lighting).
   UploadData lighting_data(const Lighting& lighting, const std::vector<Rgb>& weights) const;
 
-  /// Copies as much of `data` as the staging memory holds, from `cursor`, which moves on. True when all of it
-  /// is recorded.
+  /// Radiosity of all clusters (lm/m2) into one half, to bounce on from. Refers to nothing.
+  UploadData radiosity_data(const std::vector<Rgb>& radiosity, RadiosityHalf half) const;
+
+  /// Copies as much of `data` as the staging memory (not empty) holds, from `cursor`, which moves on. True
+  /// when all of it is recorded.
   bool record_upload(VkCommandBuffer commands, const UploadData& data, const Staging& staging,
                      UploadCursor& cursor) const;
 
@@ -158,9 +161,8 @@ class GpuSolver {
   /// What the bounce that wrote `last` changed; the other half must still hold what it read.
   void record_residual(VkCommandBuffer commands, RadiosityHalf last) const;
 
-  /// Form factors of one bounce, and of a gather (imports counted too).
+  /// Form factors of one bounce (imports counted too).
   std::uint64_t bounce_cost() const;
-  std::uint64_t gather_cost() const;
 
   /// Where results are, as four floats per cluster of all systems (lm/m2, the last is 0), ...
   BufferRange radiosity(RadiosityHalf half) const;

@@ -97,4 +97,10 @@ UploadData lighting_upload(const Lighting& lighting, const std::vector<Rgb>& wei
   return data;
 }
 
+UploadData radiosity_upload(const std::vector<Rgb>& radiosity, SolveBuffer half) {
+  UploadData data;
+  data.add_owned(half, 0, device_bytes(radiosity));
+  return data;
+}
+
 }  // namespace relume

@@ -19,4 +19,7 @@ UploadData model_upload(const Model& model, const SolverLayout& layout);
 UploadData lighting_upload(const Lighting& lighting, const std::vector<Rgb>& weights,
                            const SolverLayout& layout);
 
+/// See GpuSolver::radiosity_data.
+UploadData radiosity_upload(const std::vector<Rgb>& radiosity, SolveBuffer half);
+
 }  // namespace relume

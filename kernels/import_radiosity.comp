@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Brings the radiosity of the senders that a system imports to where its 16-bit columns find it. A leaf is copied; a node is the
-// weighted mean of its leaves, eight invocations to an import, summed like a row (include/row_product.glsl) of weight x radiosity.
+// Brings the radiosity of the senders that a system imports to where its 16-bit columns find it. A leaf is
+// copied; a node is the weighted mean of its leaves, eight invocations to an import, summed like a row
+// (include/row_product.glsl) of weight x radiosity.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 
@@ -15,7 +16,9 @@ layout(set = kSolveSet, binding = kRadiosityInBinding, std430) readonly restrict
 layout(set = kSolveSet, binding = kLeafWeightsBinding, std430) readonly restrict buffer LeafWeights {
   float leaf_weights[];
 };
-layout(set = kSystemSet, binding = kImportsBinding, std430) readonly restrict buffer Imports { uvec4 imports[]; };
+layout(set = kSystemSet, binding = kImportsBinding, std430) readonly restrict buffer Imports {
+  uvec4 imports[];
+};
 layout(set = kSystemSet, binding = kLocalRadiosityBinding, std430) writeonly restrict buffer LocalRadiosity {
   vec4 local_radiosity[];
 };

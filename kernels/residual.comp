@@ -13,8 +13,12 @@ layout(set = kSolveSet, binding = kRadiosityInBinding, std430) readonly restrict
 layout(set = kSolveSet, binding = kRadiosityOutBinding, std430) readonly restrict buffer RadiosityOut {
   vec4 radiosity_out[];
 };
-layout(set = kSolveSet, binding = kWeightsBinding, std430) readonly restrict buffer Weights { vec4 weights[]; };
-layout(set = kSolveSet, binding = kResidualBinding, std430) restrict buffer Residual { ResidualRecord residual; };
+layout(set = kSolveSet, binding = kWeightsBinding, std430) readonly restrict buffer Weights {
+  vec4 weights[];
+};
+layout(set = kSolveSet, binding = kResidualBinding, std430) restrict buffer Residual {
+  ResidualRecord residual;
+};
 
 const uint kMaxima = 12u;
 shared uint group_maxima[kMaxima];

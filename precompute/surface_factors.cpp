@@ -178,9 +178,15 @@ Result<SurfaceFactors> trace_all(const FactorScene& scene, std::uint64_t seed,
   return result;
 }
 
+std::uint32_t default_rays(std::size_t surface_count) {
+  constexpr std::size_t kTotal = std::size_t{1} << 26, kLeast = std::size_t{1} << 16,
+                        kMost = std::size_t{1} << 22;
+  return static_cast<std::uint32_t>(
+      std::clamp(kTotal / std::max<std::size_t>(surface_count, 1), kLeast, kMost));
+}
+
 Result<SurfaceFactors> build(const Scene& scene, FactorGrouping grouping, std::uint32_t rays,
                              std::uint64_t seed, const ProgressObserver& observer) {
-  if (rays == 0) return fail(ErrorCode::usage, "rays 0: expected at least one ray per surface");
   if (scene.triangles.empty()) {
     return fail(ErrorCode::bad_input, fmt::format("{}: no static triangles to measure", scene.file_name));
   }
@@ -193,6 +199,7 @@ Result<SurfaceFactors> build(const Scene& scene, FactorGrouping grouping, std::u
   }
   const auto caster = RayCaster::create(geometry.positions, geometry.triangles);
   if (!caster) return tl::unexpected(caster.error());
+  if (rays == 0) rays = default_rays(surfaces.list.size());
   const SobolPoints points((rays - 1) / kBatches + 1);
   return trace_all({geometry, *caster, surfaces, points}, seed, observer);
 }

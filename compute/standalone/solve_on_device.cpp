@@ -202,6 +202,21 @@ Result<void> gather(SolverSession& session, DeviceSolution& out) {
   return {};
 }
 
+/// Weights and quotients from products on the device. Both round: the product as a bounce does, v to 32 bits.
+Result<ContractionBound> bound_on_device(SolverSession& session, const Lighting& lighting, double rounding) {
+  const std::vector<Rgb> black(lighting.albedo.size(), Rgb(0.0));
+  const std::vector<Rgb> black_sky(lighting.sky_radiosity.size(), Rgb(0.0));
+  const Lighting unlit{lighting.albedo, black, black, black_sky};
+  if (auto uploaded = session.upload(session.solver().lighting_data(unlit, {})); !uploaded) {
+    return failed(uploaded.error());
+  }
+  const auto multiply = [&session](const std::vector<Rgb>& v) { return session.multiply(v); };
+  auto bound = contraction_bound(multiply, lighting.albedo, rounding + 0x1p-24);
+  if (!bound) return bound;
+  if (auto checked = check_contraction(*bound); !checked) return failed(checked.error());
+  return bound;
+}
+
 }  // namespace
 
 Result<DeviceSolution> solve_on_device(StandaloneDevice& device, const Model& model, const Lighting& lighting,
@@ -209,10 +224,6 @@ Result<DeviceSolution> solve_on_device(StandaloneDevice& device, const Model& mo
   if (auto checked = check_lighting(model, lighting); !checked) return failed(checked.error());
   DeviceSolution out;
   Stopwatch watch;
-  const ContractionBound contraction = contraction_bound(reference_matrices(model).bounce, lighting.albedo);
-  if (auto checked = check_contraction(contraction); !checked) return failed(checked.error());
-  out.seconds.contraction = watch.lap();
-
   const RowKernel kernel = choose_kernel(device, options);
   auto session =
       SolverSession::create(device, model, {kernel, options.max_dispatch_form_factors, options.fetch},
@@ -222,15 +233,19 @@ Result<DeviceSolution> solve_on_device(StandaloneDevice& device, const Model& mo
   out.kernel = row_kernel_name(kernel);
   out.device_bytes = session->device_bytes();
   out.seconds.create = watch.lap();
-
-  for (const UploadData& data : {session->solver().model_data(model),
-                                 session->solver().lighting_data(lighting, contraction.weights)}) {
-    if (auto uploaded = session->upload(data); !uploaded) return failed(uploaded.error());
+  if (auto uploaded = session->upload(session->solver().model_data(model)); !uploaded) {
+    return failed(uploaded.error());
   }
   out.seconds.upload = watch.lap();
 
-  BounceLoop loop(*session, contraction, rounding_of_bounce(longest_row(model), largest_node(model)), rule,
-                  options);
+  const double rounding = rounding_of_bounce(longest_row(model), largest_node(model));
+  const auto contraction = bound_on_device(*session, lighting, rounding);
+  if (!contraction) return failed(contraction.error());
+  out.seconds.contraction = watch.lap();
+
+  auto uploaded = session->upload(session->solver().lighting_data(lighting, contraction->weights));
+  if (!uploaded) return failed(uploaded.error());
+  BounceLoop loop(*session, *contraction, rounding, rule, options);
   if (auto bounced = loop.run(out); !bounced) return failed(bounced.error());
   out.seconds.bounces = watch.lap();
   if (auto gathered = gather(*session, out); !gathered) return failed(gathered.error());

@@ -20,17 +20,17 @@ struct DeviceSolveOptions {
   std::optional<RowKernel> kernel;
   std::optional<MatrixFetch> fetch{};  ///< see SolverOptions
   std::uint64_t max_dispatch_form_factors = 4'000'000;
-  std::uint64_t max_submit_form_factors =
-      32'000'000;                 ///< a submission has no more, but at least one dispatch
+  /// A submission has no more, but at least one dispatch.
+  std::uint64_t max_submit_form_factors = 32'000'000;
   double timeout_seconds = 60.0;  ///< of one submission
   BounceObserver observer{};      ///< called after each residual, every few bounces
 };
 
 struct DeviceSeconds {
-  double contraction = 0.0;  ///< the contraction bound, on the processor
   double create = 0.0;       ///< pipelines, buffers
-  double upload = 0.0;
-  double bounces = 0.0;  ///< with residuals; the first dispatch compiles on some drivers
+  double upload = 0.0;       ///< matrices
+  double contraction = 0.0;  ///< the contraction bound; the first dispatch compiles on some drivers
+  double bounces = 0.0;      ///< with residuals and the upload of the lighting
   double gather = 0.0;
   double download = 0.0;
   double gpu_bounces = 0.0;  ///< by timestamps; 0 when the queue has none

@@ -69,6 +69,15 @@ Result<SubmitTimes> SolverSession::upload(const UploadData& data) {
   return sum;
 }
 
+Result<std::vector<Rgb>> SolverSession::multiply(const std::vector<Rgb>& v) {
+  latest_ = RadiosityHalf::a;
+  if (auto uploaded = upload(solver_.radiosity_data(v, latest_)); !uploaded) {
+    return tl::unexpected<Error>(uploaded.error());
+  }
+  if (auto bounced = bounce(1); !bounced) return tl::unexpected<Error>(bounced.error());
+  return read_radiosity();
+}
+
 Result<SubmitTimes> SolverSession::start() {
   return device_->submit([this](VkCommandBuffer commands) { latest_ = solver_.record_start(commands); },
                          limits_.timeout_seconds);

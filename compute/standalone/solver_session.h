@@ -32,6 +32,10 @@ class SolverSession {
 
   Result<SubmitTimes> upload(const UploadData& data);
 
+  /// rho K v on the device, by a bounce of a scene without light of its own: `lighting` is that of the last
+  /// upload, with exitance, direct irradiance and sky black. What was the latest radiosity is lost.
+  Result<std::vector<Rgb>> multiply(const std::vector<Rgb>& v);
+
   /// B0, which becomes the latest radiosity.
   Result<SubmitTimes> start();
 

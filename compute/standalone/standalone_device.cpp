@@ -24,7 +24,7 @@ using DeviceHandle = std::unique_ptr<VkDevice_T, DestroyDevice>;
 
 struct QueueFamily {
   std::uint32_t index = 0;
-  bool has_timestamps = false;
+  std::uint64_t timestamp_mask = 0;  ///< 0: no timestamps
 };
 
 /// The first that can compute; device_requirements has seen that there is one.
@@ -35,7 +35,8 @@ QueueFamily compute_family(VkPhysicalDevice device) {
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
   std::uint32_t index = 0;
   while (index + 1 < count && (families[index].queueFlags & VK_QUEUE_COMPUTE_BIT) == 0) ++index;
-  return {index, families[index].timestampValidBits == 64};
+  const std::uint32_t bits = families[index].timestampValidBits;
+  return {index, bits == 0 ? 0 : ~std::uint64_t{0} >> (64 - bits)};
 }
 
 Result<DeviceHandle> create_device(VkPhysicalDevice physical_device, std::uint32_t family) {
@@ -121,7 +122,7 @@ Result<void> StandaloneDevice::State::create_children() {
     return made;
   }
   fence = {owner, made_fence, vkDestroyFence, nullptr};
-  if (!family.has_timestamps) return {};
+  if (family.timestamp_mask == 0) return {};
 
   auto query_info = vulkan_info<VkQueryPoolCreateInfo>(VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO);
   query_info.queryType = VK_QUERY_TYPE_TIMESTAMP;
@@ -148,12 +149,12 @@ Result<void> StandaloneDevice::State::record(const std::function<void(VkCommandB
       !begun) {
     return begun;
   }
-  if (family.has_timestamps) {
+  if (family.timestamp_mask != 0) {
     vkCmdResetQueryPool(commands, timestamps.get(), 0, 2);
     vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, timestamps.get(), 0);
   }
   record_commands(commands);
-  if (family.has_timestamps) {
+  if (family.timestamp_mask != 0) {
     vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, timestamps.get(), 1);
   }
   return check_vulkan(vkEndCommandBuffer(commands), "ending a command buffer");
@@ -174,12 +175,13 @@ Result<void> StandaloneDevice::State::wait(double timeout_seconds) {
 }
 
 double StandaloneDevice::State::gpu_seconds() const {
-  if (!family.has_timestamps) return 0.0;
+  if (family.timestamp_mask == 0) return 0.0;
   std::uint64_t ticks[2] = {};
   const VkResult result = vkGetQueryPoolResults(device.get(), timestamps.get(), 0, 2, sizeof ticks, ticks,
                                                 sizeof ticks[0], VK_QUERY_RESULT_64_BIT);
   if (result != VK_SUCCESS) return 0.0;
-  return static_cast<double>(ticks[1] - ticks[0]) * properties.limits.timestampPeriod * 1e-9;
+  return static_cast<double>((ticks[1] - ticks[0]) & family.timestamp_mask) *
+         properties.limits.timestampPeriod * 1e-9;
 }
 
 StandaloneDevice::StandaloneDevice(std::unique_ptr<State> state) : state_(std::move(state)) {}

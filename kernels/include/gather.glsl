@@ -11,6 +11,8 @@ layout(set = kSystemSet, binding = kIrradianceBinding, std430) writeonly restric
   vec4 irradiance_of_row[];
 };
 
-void finish_row(uint row, vec3 irradiance) { irradiance_of_row[range.block_row + row] = vec4(irradiance, 0.0); }
+void finish_row(uint row, vec3 irradiance) {
+  irradiance_of_row[range.block_row + row] = vec4(irradiance, 0.0);
+}
 
 #endif

@@ -4,11 +4,15 @@
 
 #include "../shared/bindings.h"
 
-layout(set = kSolveSet, binding = kAlbedoBinding, std430) readonly restrict buffer Albedo { vec4 albedo[]; };
+layout(set = kSolveSet, binding = kAlbedoBinding, std430) readonly restrict buffer Albedo {
+  vec4 albedo[];
+};
 layout(set = kSolveSet, binding = kExitanceBinding, std430) readonly restrict buffer Exitance {
   vec4 exitance[];
 };
-layout(set = kSolveSet, binding = kDirectBinding, std430) readonly restrict buffer Direct { vec4 direct[]; };
+layout(set = kSolveSet, binding = kDirectBinding, std430) readonly restrict buffer Direct {
+  vec4 direct[];
+};
 
 /// B = M + albedo (H + I) of a cluster.
 vec3 reflect_and_emit(uint cluster, vec3 irradiance) {

@@ -9,6 +9,8 @@
 
 layout(local_size_x = kWorkgroupSize) in;
 
-layout(push_constant) uniform RangeConstants { Range range; };
+layout(push_constant) uniform RangeConstants {
+  Range range;
+};
 
 #endif

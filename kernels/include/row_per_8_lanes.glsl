@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Body of a row kernel: eight invocations of a workgroup do a row, one lane each, and meet in shared memory, so that it is right at any
-// subgroup width. The kernel defines finish_row(row in the block, product).
+// Body of a row kernel: eight invocations of a workgroup do a row, one lane each, and meet in shared memory,
+// so that it is right at any subgroup width. The kernel defines finish_row(row in the block, product).
 #include "row_product.glsl"
 
 shared vec4 lane_sums[kWorkgroupSize];

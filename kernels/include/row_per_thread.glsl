@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Body of a row kernel: one invocation does all eight lanes of a row. The kernel defines finish_row(row in the block, product).
+// Body of a row kernel: one invocation does all eight lanes of a row. The kernel defines finish_row(row in
+// the block, product).
 #include "row_product.glsl"
 
 vec3 row_product(uint row) {

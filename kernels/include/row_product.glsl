@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
 //
-// The product of one matrix row with the local radiosity, in the one summation order that all kernels share, so that
-// every kernel, subgroup width and slicing gives the same bits:
+// The product of one matrix row with the local radiosity, in the one summation order that all kernels share,
+// so that every kernel, subgroup width and slicing gives the same bits:
 //
-//   lane k of 8     s_k = sum of code * b over entries k, k + 8, k + 16, ... of the row, one after the other, from 0
-//   the row         sum = ((s_0 + s_4) + (s_2 + s_6)) + ((s_1 + s_5) + (s_3 + s_7))
-//   the product     sum * row_scale                      codec f32, code = the stored float
-//                   sum * (row_scale * (1 / 65535))      codec unorm16, code = the stored integer
-//                   sum * (row_scale * (1 / 65025))      codec sqrt8, code = the square of the stored integer
+//   lane k of 8   s_k = 0, then + code * b of entry k, k + 8, k + 16, ... of the row, one after the other
+//   the row       sum = ((s_0 + s_4) + (s_2 + s_6)) + ((s_1 + s_5) + (s_3 + s_7))
+//   f32           product = sum * row_scale, code = the stored float
+//   unorm16       product = sum * (row_scale * (1 / 65535)), code = the stored integer
+//   sqrt8         product = sum * (row_scale * (1 / 65025)), code = the square of the stored integer
 //
 // The entries of a row are the columns of its tile, zeros included.
 //
-// Each product and each addition is rounded on its own (`precise`). Not fma: glslang cannot mark the fma of GLSL as precise,
-// and one that is not may be split by one driver and fused by another (lavapipe splits it).
+// Each product and each addition is rounded on its own (`precise`). Not fma: glslang cannot mark the fma of
+// GLSL as precise, and one that is not may be split by one driver and fused by another (lavapipe splits it).
 #ifndef RELUME_ROW_PRODUCT_GLSL
 #define RELUME_ROW_PRODUCT_GLSL
 
@@ -31,9 +31,13 @@ layout(set = kSystemSet, binding = kLocalRadiosityTexelsBinding) uniform sampler
 layout(set = kBlockSet, binding = kTileOffsetsBinding, std430) readonly restrict buffer TileOffsets {
   uint tile_offsets[];
 };
-layout(set = kBlockSet, binding = kColumnsBinding, std430) readonly restrict buffer Columns { uint columns[]; };
+layout(set = kBlockSet, binding = kColumnsBinding, std430) readonly restrict buffer Columns {
+  uint columns[];
+};
 layout(set = kBlockSet, binding = kColumnTexelsBinding) uniform usamplerBuffer column_texels;
-layout(set = kBlockSet, binding = kValuesBinding, std430) readonly restrict buffer Values { uint values[]; };
+layout(set = kBlockSet, binding = kValuesBinding, std430) readonly restrict buffer Values {
+  uint values[];
+};
 layout(set = kBlockSet, binding = kValueTexelsBinding) uniform usamplerBuffer value_texels;
 layout(set = kBlockSet, binding = kRowScalesBinding, std430) readonly restrict buffer RowScales {
   float row_scales[];
@@ -54,9 +58,13 @@ vec3 radiosity_of(uint column) {
   return local_radiosity[column].rgb;
 }
 
-uint half_word(uint word, uint index) { return (index & 1u) == 0u ? word & 0xffffu : word >> 16; }
+uint half_word(uint word, uint index) {
+  return (index & 1u) == 0u ? word & 0xffffu : word >> 16;
+}
 
-uint column_of(uint entry) { return half_word(column_word(entry >> 1), entry); }
+uint column_of(uint entry) {
+  return half_word(column_word(entry >> 1), entry);
+}
 
 /// Code number `index` of the block.
 float code_at(uint index) {
@@ -68,9 +76,13 @@ float code_at(uint index) {
   return uintBitsToFloat(value_word(index));
 }
 
-uint first_entry(uint row) { return tile_offsets[row / kTileRows]; }
+uint first_entry(uint row) {
+  return tile_offsets[row / kTileRows];
+}
 
-uint end_entry(uint row) { return tile_offsets[row / kTileRows + 1u]; }
+uint end_entry(uint row) {
+  return tile_offsets[row / kTileRows + 1u];
+}
 
 /// Adds one entry of a row to the sum of its lane.
 void add_entry(inout precise vec3 lane_sum, uint row, uint entry) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Descriptor sets, bindings and specialization constants. All kernels share one pipeline layout. In each set, storage buffers come first;
-// uniform texel buffers, which are views of some of them, follow.
+// Descriptor sets, bindings and specialization constants. All kernels share one pipeline layout. In each set,
+// storage buffers come first; uniform texel buffers, which are views of some of them, follow.
 //
 // Senders are numbered through: the clusters of all systems, system by system, then the sky patches.
 #ifndef RELUME_KERNELS_BINDINGS_H
@@ -36,7 +36,7 @@ const uint kSystemTexelBindings = 1u;
 const uint kBlockSet = 2u;
 const uint kTileOffsetsBinding = 0u;  // uint per tile, and one at the end
 const uint kColumnsBinding = 1u;      // two 16-bit columns in a uint, the first in the low half
-const uint kValuesBinding = 2u;       // f32: bits of a float in a uint; unorm16 and sqrt8: two and four codes in a uint, the first lowest
+const uint kValuesBinding = 2u;       // f32: a float's bits in a uint; unorm16, sqrt8: two, four codes, as columns
 const uint kRowScalesBinding = 3u;    // float per row
 const uint kBlockBindings = 4u;
 const uint kColumnTexelsBinding = 4u;  // r32ui

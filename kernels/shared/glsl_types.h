@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The headers of this folder are read by GLSL and by C++. They use uint, float, vec4 and uvec4 only: never vec3, whose size differs.
+// The headers of this folder are read by GLSL and by C++. They use uint, float, vec4 and uvec4 only: never
+// vec3, whose size differs.
 #ifndef RELUME_KERNELS_GLSL_TYPES_H
 #define RELUME_KERNELS_GLSL_TYPES_H
 

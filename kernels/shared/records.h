@@ -8,7 +8,8 @@
 
 RELUME_SHARED_BEGIN
 
-/// Push constants of every kernel. Row kernels do rows [first_row, first_row + count) of a block; the others do elements [0, count).
+/// Push constants of every kernel. Row kernels do rows [first_row, first_row + count) of a block; the others
+/// do elements [0, count).
 struct Range {
   uint first_row;      // in the block
   uint count;          // rows, imports or clusters
@@ -17,8 +18,9 @@ struct Range {
   // ---- 16 bytes
 };
 
-/// What a bounce changed, as maxima over all clusters, per channel in xyz. Bits of non-negative floats: they order as the floats do, so that
-/// atomicMax gives the same result in any order, and NaN is above all numbers.
+/// What a bounce changed, as maxima over all clusters, per channel in xyz. Bits of non-negative floats: they
+/// order as the floats do, so that atomicMax gives the same result in any order, and NaN is above all
+/// numbers.
 struct ResidualRecord {
   uvec4 weighted_change;  // |change| / weight
   // ---- 16 bytes

@@ -77,8 +77,8 @@ std::vector<Rgb> next_weights(const std::vector<Rgb>& product, const std::vector
 /// min over i of (rho K_c P x)_i / x_i, x = the weights of clusters that reflect and are at least
 /// `threshold`: a lower end of the spectral radius for any x >= 0 other than 0 (L. Collatz, 1942; H.
 /// Wielandt, 1950).
-Rgb lower_quotient(const SenderMatrix& matrix, const std::vector<Rgb>& albedo,
-                   const std::vector<Rgb>& weights, double threshold) {
+Result<Rgb> lower_quotient(const ClusterProduct& multiply, const std::vector<Rgb>& albedo,
+                           const std::vector<Rgb>& weights, double threshold) {
   std::vector<Rgb> x(weights.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
     for (int channel = 0; channel < 3; ++channel) {
@@ -86,13 +86,14 @@ Rgb lower_quotient(const SenderMatrix& matrix, const std::vector<Rgb>& albedo,
       x[i][channel] = counts ? weights[i][channel] : 0.0;
     }
   }
-  const std::vector<Rgb> product = multiply(matrix, albedo, x);
+  const auto product = multiply(x);
+  if (!product) return tl::unexpected(product.error());
   Rgb result(0.0);
   for (int channel = 0; channel < 3; ++channel) {
     double lowest = -1.0;
     for (std::size_t i = 0; i < x.size(); ++i) {
       if (x[i][channel] <= 0.0) continue;
-      const double quotient = product[i][channel] / x[i][channel];
+      const double quotient = (*product)[i][channel] / x[i][channel];
       lowest = lowest < 0.0 ? quotient : std::min(lowest, quotient);
     }
     result[channel] = std::max(lowest, 0.0);
@@ -108,7 +109,7 @@ std::uint64_t longest_row(const CsrMatrix& matrix) {
 }
 
 /// How much the sums of positive terms in a product can be rounded, relatively.
-double rounding(const SenderMatrix& matrix) {
+double rounding_of(const SenderMatrix& matrix) {
   return static_cast<double>(longest_row(matrix.rows) + longest_row(matrix.nodes) + 4) *
          std::numeric_limits<double>::epsilon();
 }
@@ -119,28 +120,40 @@ bool settled(const Rgb& quotient, const Rgb& previous) {
 
 }  // namespace
 
-ContractionBound contraction_bound(const SenderMatrix& bounce_matrix, const std::vector<Rgb>& albedo) {
+Result<ContractionBound> contraction_bound(const ClusterProduct& multiply, const std::vector<Rgb>& albedo,
+                                           double rounding) {
   ContractionBound bound;
-  bound.weights.assign(bounce_matrix.rows.rows, Rgb(1.0));
-  std::vector<Rgb> product = multiply(bounce_matrix, albedo, bound.weights);
-  bound.quotient = upper_quotient(product, bound.weights);
+  bound.weights.assign(albedo.size(), Rgb(1.0));
+  auto product = multiply(bound.weights);
+  if (!product) return tl::unexpected(product.error());
+  bound.quotient = upper_quotient(*product, bound.weights);
   Rgb previous = bound.quotient;
   std::vector<Rgb> v = bound.weights;
   for (int k = 1; k < kMaxProducts; ++k) {
-    v = next_weights(product, v, bound.quotient);
-    product = multiply(bounce_matrix, albedo, v);
-    const Rgb quotient = upper_quotient(product, v);
+    v = next_weights(*product, v, bound.quotient);
+    product = multiply(v);
+    if (!product) return tl::unexpected(product.error());
+    const Rgb quotient = upper_quotient(*product, v);
     keep_better(v, quotient, bound);
     if (k > 3 && settled(quotient, previous)) break;
     previous = quotient;
   }
-  bound.quotient *= 1.0 + rounding(bounce_matrix);
+  bound.quotient *= 1.0 + rounding;
   // Any part of the surfaces gives a lower end; the slowest mode may live on all of them or in one gap.
   for (const double threshold : {0.0, 0.1, 0.5}) {
-    bound.lower_quotient =
-        glm::max(bound.lower_quotient, lower_quotient(bounce_matrix, albedo, bound.weights, threshold));
+    const auto lower = lower_quotient(multiply, albedo, bound.weights, threshold);
+    if (!lower) return tl::unexpected(lower.error());
+    bound.lower_quotient = glm::max(bound.lower_quotient, *lower * (1.0 - rounding));
   }
   return bound;
+}
+
+ContractionBound contraction_bound(const SenderMatrix& bounce_matrix, const std::vector<Rgb>& albedo) {
+  const ClusterProduct product = [&](const std::vector<Rgb>& v) -> Result<std::vector<Rgb>> {
+    return multiply(bounce_matrix, albedo, v);
+  };
+  // These products cannot fail.
+  return *contraction_bound(product, albedo, rounding_of(bounce_matrix));
 }
 
 }  // namespace relume

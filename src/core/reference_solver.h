@@ -37,6 +37,12 @@ std::vector<Rgb> bounce(const SenderMatrix& bounce_matrix, const Lighting& light
 /// Weights from a few products of rho K_c P on ones; see ContractionBound. q < 1 is needed by solve_reference.
 ContractionBound contraction_bound(const SenderMatrix& bounce_matrix, const std::vector<Rgb>& albedo);
 
+/// rho K_c v by whoever holds the matrix.
+using ClusterProduct = std::function<Result<std::vector<Rgb>>(const std::vector<Rgb>& v)>;
+
+/// The same from products that are off by at most the share `rounding` in each entry. Fails as a product does.
+Result<ContractionBound> contraction_bound(const ClusterProduct& multiply, const std::vector<Rgb>& albedo, double rounding);
+
 /// Refuses (check_failed, with the bracket of the spectral radius) when q >= 1 in any channel.
 Result<void> check_contraction(const ContractionBound& contraction);
 

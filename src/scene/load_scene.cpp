@@ -59,6 +59,7 @@ class SceneBuilder {
     const bool moves = node.skin >= 0 || (walk[at].is_animated && !walk[at].extras.is_static.value_or(false));
     const bool is_static = !moves && walk[at].extras.is_static.value_or(true);
     if (moves) ++moving_nodes_;
+    if (moves) moving_triangles_ += triangles * instances->size();
     triangles_ += triangles * instances->size();
     if (triangles_ > limits_.max_triangles) {
       return import_error(gltf_.name, json_path("nodes", walk[at].node),
@@ -100,25 +101,24 @@ class SceneBuilder {
   }
 
   void warn(std::uint64_t count, const char* what) {
-    if (count != 0) scene_.warnings.push_back(fmt::format("{}: {} {}", gltf_.name, count, what));
+    if (count != 0) scene_.warnings.push_back(fmt::format("{}: {}: {}", gltf_.name, what, count));
   }
 
   void report() {
-    warn(counts_.points_or_lines, "primitives hold points or lines and were skipped");
-    warn(counts_.without_position, "primitives have no POSITION and were skipped");
-    warn(counts_.with_morph_targets, "primitives have morph targets, of which only the base shape was read");
-    warn(counts_.colors_clamped, "primitives have vertex colours outside 0 to 1, which were clamped");
-    warn(surfaces_without_uv_, "surfaces have a texture but not its coordinates, which were taken as 0");
+    warn(counts_.points_or_lines, "primitives of points or lines, skipped");
+    warn(counts_.without_position, "primitives without POSITION, skipped");
+    warn(counts_.with_morph_targets, "primitives with morph targets, of which only the base shape was read");
+    warn(counts_.colors_clamped, "primitives with vertex colours outside 0 to 1, clamped");
+    warn(surfaces_without_uv_, "surfaces with a texture but without its coordinates, taken as 0");
     const auto& dropped = scene_.dropped;
     if (moving_nodes_ != 0) {
       scene_.warnings.push_back(fmt::format(
-          "{}: {} nodes are animated or skinned; {} triangles of dynamic nodes do not bounce light and "
-          "were left out",
-          gltf_.name, moving_nodes_, dropped.dynamic));
+          "{}: animated and skinned nodes do not bounce light and were left out: {} with {} triangles",
+          gltf_.name, moving_nodes_, moving_triangles_));
     }
     if (dropped.without_area + dropped.repeated + dropped.not_finite != 0) {
       scene_.warnings.push_back(
-          fmt::format("{}: dropped {} triangles without area, {} repeated and {} not finite", gltf_.name,
+          fmt::format("{}: dropped triangles: {} without area, {} repeated, {} not finite", gltf_.name,
                       dropped.without_area, dropped.repeated, dropped.not_finite));
     }
   }
@@ -131,6 +131,7 @@ class SceneBuilder {
   PrimitiveCounts counts_;
   std::uint64_t triangles_ = 0;
   std::uint64_t moving_nodes_ = 0;
+  std::uint64_t moving_triangles_ = 0;
   std::uint64_t surfaces_without_uv_ = 0;
 };
 

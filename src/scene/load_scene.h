@@ -10,14 +10,13 @@
 
 namespace relume {
 
+/// What a scene may ask for. A file that wants more is refused before memory is taken for it.
 struct SceneLimits {
-  std::uint64_t max_file_bytes = std::uint64_t{2}
-                                 << 30;  ///< of the scene file, and again of all that it refers to, unpacked
-  std::uint64_t max_json_bytes = std::uint64_t{256} << 20;
+  std::uint64_t max_file_bytes = 2ull << 30;  ///< of the scene file, and again of all it refers to, unpacked
+  std::uint64_t max_json_bytes = 256ull << 20;
   std::uint32_t max_json_depth = 64;
-  std::uint64_t max_image_pixels = std::uint64_t{1}
-                                   << 26;  ///< of one image; all together may have four times as many
-  std::uint64_t max_triangles = std::uint64_t{1} << 25;  ///< with every instance counted
+  std::uint64_t max_image_pixels = 1ull << 26;  ///< of one image; all together may have four times as many
+  std::uint64_t max_triangles = 1ull << 25;     ///< with every instance counted
 };
 
 /// Reads .gltf or .glb (default scene, or the first; without any, all nodes). World transforms are in double

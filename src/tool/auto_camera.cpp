@@ -81,7 +81,7 @@ struct Surroundings {
   double openness = 0.0;  ///< geometric mean distance of what is met
 };
 
-Surroundings look_around(const SolvedScene& scene, const glm::vec3& eye, double diagonal) {
+Surroundings look_around(const ViewedScene& scene, const glm::vec3& eye, double diagonal) {
   Surroundings around;
   around.nearest = diagonal;
   double log_sum = 0.0;
@@ -120,7 +120,7 @@ struct Eye {
 };
 
 /// A place in the free space in front of a triangle: part of the way to whatever is opposite.
-glm::vec3 place_before(const SolvedScene& scene, std::uint32_t i, double diagonal) {
+glm::vec3 place_before(const ViewedScene& scene, std::uint32_t i, double diagonal) {
   const Occluders& occluders = scene.model.occluders;
   const auto count = static_cast<std::uint32_t>(occluders.triangles.size());
   const auto triangle = std::min(static_cast<std::uint32_t>(halton(i, 2) * count), count - 1);
@@ -140,7 +140,7 @@ glm::vec3 place_before(const SolvedScene& scene, std::uint32_t i, double diagona
 }
 
 /// Eyes in free space, the most open among the enclosed first.
-std::vector<Eye> inner_eyes(const SolvedScene& scene, double diagonal) {
+std::vector<Eye> inner_eyes(const ViewedScene& scene, double diagonal) {
   std::vector<Eye> eyes(kEyesTried);
   tbb::parallel_for(0, kEyesTried, [&](int i) {
     const glm::vec3 place = place_before(scene, static_cast<std::uint32_t>(i) + 1, diagonal);
@@ -154,7 +154,7 @@ std::vector<Eye> inner_eyes(const SolvedScene& scene, double diagonal) {
   return eyes;
 }
 
-Camera camera_at(const SolvedScene& scene, const glm::dvec3& eye, const glm::dvec3& forward) {
+Camera camera_at(const ViewedScene& scene, const glm::dvec3& eye, const glm::dvec3& forward) {
   Camera camera;
   camera.position = scene.model.origin + eye;
   camera.forward = glm::normalize(forward);
@@ -167,7 +167,7 @@ struct Candidate {
   double bonus = 0.0;
 };
 
-void add_inner_views(const SolvedScene& scene, const std::vector<Eye>& eyes,
+void add_inner_views(const ViewedScene& scene, const std::vector<Eye>& eyes,
                      std::vector<Candidate>& candidates) {
   for (const Eye& eye : eyes) {
     for (int yaw = 0; yaw < kYaws; ++yaw) {
@@ -180,7 +180,7 @@ void add_inner_views(const SolvedScene& scene, const std::vector<Eye>& eyes,
   }
 }
 
-void add_outer_views(const SolvedScene& scene, const Bounds& bounds, double bonus,
+void add_outer_views(const ViewedScene& scene, const Bounds& bounds, double bonus,
                      std::vector<Candidate>& candidates) {
   const glm::dvec3 middle = 0.5 * (bounds.low + bounds.high);
   for (int yaw = 0; yaw < kYaws; ++yaw) {
@@ -198,7 +198,7 @@ bool shines(const Sky& sky) {
 }
 
 /// Views from outside are preferred where most eyes see a sky that shines.
-std::vector<Candidate> cameras_tried(const SolvedScene& scene, const Bounds& bounds) {
+std::vector<Candidate> cameras_tried(const ViewedScene& scene, const Bounds& bounds) {
   const std::vector<Eye> eyes = inner_eyes(scene, bounds.diagonal());
   const auto open =
       std::count_if(eyes.begin(), eyes.end(), [](const Eye& eye) { return eye.enclosed < 0.7; });
@@ -232,12 +232,12 @@ struct Thumbnail {
   double share(int pixels) const { return double(pixels) / kPixels; }
 };
 
-void add_pixel(const SolvedScene& scene, const ViewHit& hit, double diagonal, double dark,
+void add_pixel(const ViewedScene& scene, const ViewHit& hit, double diagonal, double dark,
                Thumbnail& thumbnail) {
   const Occluders& occluders = scene.model.occluders;
   const std::uint32_t triangle = hit.point.triangle;
   const double depth = std::min(double(hit.distance) / diagonal, 1.0);
-  const double tone = luminance(scene.shading.radiance(hit.point));
+  const double tone = luminance(scene.radiance(hit.point));
   thumbnail.near += depth < 0.12;
   thumbnail.touching += depth < 0.04;
   if (tone < dark) return;
@@ -247,7 +247,7 @@ void add_pixel(const SolvedScene& scene, const ViewHit& hit, double diagonal, do
   ++thumbnail.tones[static_cast<std::uint64_t>(3.0 * std::log2(tone / dark))];
 }
 
-Thumbnail look_through(const SolvedScene& scene, const Camera& camera, double diagonal, double dark) {
+Thumbnail look_through(const ViewedScene& scene, const Camera& camera, double diagonal, double dark) {
   const ViewFrame frame(scene.model, camera, double(kThumbWidth) / kThumbHeight);
   Thumbnail thumbnail;
   for (int first = 0; first < Thumbnail::kPixels; first += kPacketSize) {
@@ -273,7 +273,7 @@ double interest(const Thumbnail& picture) {
 }
 
 /// A hundredth of the mean luminance of all surfaces: what is darker looks black.
-double dark_luminance(const SolvedScene& scene) {
+double dark_luminance(const ViewedScene& scene) {
   const Occluders& occluders = scene.model.occluders;
   double sum = 0.0;
   double area = 0.0;
@@ -281,7 +281,7 @@ double dark_luminance(const SolvedScene& scene) {
     const glm::vec3& a = occluder_corner(occluders, t, 0);
     const glm::vec3 normal =
         glm::cross(occluder_corner(occluders, t, 1) - a, occluder_corner(occluders, t, 2) - a);
-    const Rgb radiance = scene.shading.radiance({t, Side::front, glm::vec2(1.0f / 3.0f)});
+    const Rgb radiance = scene.radiance({t, Side::front, glm::vec2(1.0f / 3.0f)});
     sum += glm::length(normal) * luminance(radiance);
     area += glm::length(normal);
   }
@@ -294,7 +294,7 @@ bool shows_the_scene(const Thumbnail& picture) {
 
 }  // namespace
 
-Camera choose_camera(const SolvedScene& scene) {
+Camera choose_camera(const ViewedScene& scene) {
   if (scene.model.occluders.triangles.empty()) return scene.model.camera.value_or(Camera{});
   const Bounds bounds = interesting_bounds(scene.model.occluders);
   const double diagonal = std::max(bounds.diagonal(), 1e-9);

@@ -63,7 +63,7 @@ std::vector<double> row_sums(const BlockMatrix& matrix) {
   return sums;
 }
 
-ByteImage draw_system(const Model& model, std::size_t s, const std::string& view) {
+ColorImage draw_system(const Model& model, std::size_t s, const std::string& view) {
   // Invalid lumels are part of the picture here.
   System system = model.systems[s];
   std::vector<Rgb> colors;
@@ -75,10 +75,7 @@ ByteImage draw_system(const Model& model, std::size_t s, const std::string& view
     for (std::size_t i = 0; i < system.lumels.size(); ++i) colors.push_back(color({system, s, i, i}));
   }
   for (Lumel& lumel : system.lumels) lumel.flags &= ~std::uint32_t{kLumelInvalid};
-  const ColorImage linear = lightmap_image(system, colors);
-  ByteImage image(linear.width, linear.height);
-  for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = srgb_bytes(Rgb(linear.pixels[i]));
-  return image;
+  return lightmap_image(system, colors);
 }
 
 }  // namespace
@@ -89,8 +86,8 @@ const std::vector<std::string>& debug_view_names() {
   return names;
 }
 
-std::vector<ByteImage> draw_debug_view(const Model& model, const std::string& view) {
-  std::vector<ByteImage> images;
+std::vector<ColorImage> draw_debug_view(const Model& model, const std::string& view) {
+  std::vector<ColorImage> images;
   for (std::size_t s = 0; s < model.systems.size(); ++s) images.push_back(draw_system(model, s, view));
   return images;
 }

@@ -13,11 +13,11 @@ namespace relume {
 /// albedo, clusters, materials, row_sum, systems, validity.
 const std::vector<std::string>& debug_view_names();
 
-/// One picture per system, a texel per lumel, of `view` (one of debug_view_names()):
+/// One picture per system, display-linear, a texel per lumel, of `view` (one of debug_view_names()):
 ///   albedo     of the clusters, sRGB
 ///   clusters, materials, systems   a colour for each
 ///   row_sum    of the lumels' gather rows: black 0, through red and yellow to white 1
 ///   validity   grey valid, red inside geometry, yellow split by a wall
-std::vector<ByteImage> draw_debug_view(const Model& model, const std::string& view);
+std::vector<ColorImage> draw_debug_view(const Model& model, const std::string& view);
 
 }  // namespace relume

@@ -11,7 +11,7 @@ namespace relume {
 struct FactorsArguments {
   std::filesystem::path scene;
   FactorGrouping grouping = FactorGrouping::node;
-  std::uint32_t rays = 65536;  ///< per surface
+  std::uint32_t rays = 0;  ///< per surface, 0 = as surface_factors chooses
   std::uint64_t seed = 0;
   std::uint32_t threads = 0;  ///< 0 = all
 };

@@ -46,6 +46,12 @@ ByteColor srgb_bytes(const Rgb& linear) {
   return {srgb_byte(linear.x), srgb_byte(linear.y), srgb_byte(linear.z)};
 }
 
+ByteImage srgb_image(const ColorImage& linear) {
+  ByteImage image(linear.width, linear.height);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = srgb_bytes(Rgb(linear.pixels[i]));
+  return image;
+}
+
 Result<std::vector<std::byte>> encode_png(const ByteImage& image) {
   std::vector<std::byte> bytes;
   const int width = static_cast<int>(image.width);

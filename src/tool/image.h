@@ -40,6 +40,8 @@ struct ByteImage {
 /// sRGB bytes of a linear colour, clamped to 0..1.
 ByteColor srgb_bytes(const Rgb& linear);
 
+ByteImage srgb_image(const ColorImage& linear);
+
 Result<std::vector<std::byte>> encode_png(const ByteImage& image);
 
 /// The largest half-precision number: brighter pixels of an EXR are clamped to it.

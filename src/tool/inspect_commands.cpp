@@ -19,6 +19,16 @@ JsonObject light_counts(const Model& model) {
           {"sky_radiance", model.sky_radiance ? JsonValue(*model.sky_radiance) : JsonValue()}};
 }
 
+JsonArray material_list(const Model& model) {
+  JsonArray materials;
+  for (const MaterialRecord& material : model.materials) {
+    materials.emplace_back(JsonObject{{"name", material.name},
+                                      {"double_sided", material.double_sided},
+                                      {"possible_emitter", material.possible_emitter}});
+  }
+  return materials;
+}
+
 }  // namespace
 
 Result<int> run(const InfoArguments& arguments, Console& console) {
@@ -31,14 +41,15 @@ Result<int> run(const InfoArguments& arguments, Console& console) {
                           model->provenance.scene_file, model->provenance.tool,
                           model->provenance.ray_tracer));
   for (const std::string& line : summary_lines(summary)) console.say("  " + line);
-  console.say(fmt::format("  {} materials, {} nodes, {} punctual lights{}", model->materials.size(),
-                          model->nodes.size(), model->lights.size(),
-                          model->lit_by_rig ? " (the stated rig)" : ""));
+  console.say(fmt::format(
+      "  {}, {}, {}{}", counted(model->materials.size(), "material"), counted(model->nodes.size(), "node"),
+      counted(model->lights.size(), "punctual light"), model->lit_by_rig ? " (the stated rig)" : ""));
 
   JsonObject object{{"file", arguments.file}};
   for (auto& member : summary_json(summary, file_bytes)) object.push_back(std::move(member));
   for (auto& member : light_counts(*model)) object.push_back(std::move(member));
-  object.insert(object.end(), {{"scene_file", model->provenance.scene_file},
+  object.insert(object.end(), {{"material_list", material_list(*model)},
+                               {"scene_file", model->provenance.scene_file},
                                {"tool", model->provenance.tool},
                                {"ray_tracer", model->provenance.ray_tracer},
                                {"options", model->provenance.options}});
@@ -52,16 +63,16 @@ Result<int> run(const CheckArguments& arguments, Console& console) {
   const ModelSummary summary = summarise_model(*model);
   const std::vector<std::string> verified{
       "format version, section table, sizes and the checksum of every section",
-      fmt::format("{} systems: {} clusters, their areas, normals, albedos and index ranges",
-                  summary.systems.size(), summary.clusters),
-      fmt::format("{} lumels and {} sensors: positions in the lightmaps, elements and pieces", summary.lumels,
-                  summary.sensors),
+      fmt::format("{}: {}, their areas, normals, albedos and index ranges",
+                  counted(summary.systems.size(), "system"), counted(summary.clusters, "cluster")),
+      fmt::format("{} and {}: positions in the lightmaps, elements and pieces",
+                  counted(summary.lumels, "lumel"), counted(summary.sensors, "sensor")),
       fmt::format(
           "{} + {} form factors: finite, not negative, columns ascending and in range, row sums up to {:.9f}",
           summary.bounce.nonzeros, summary.gather.nonzeros,
           std::max(summary.bounce.max_row_sum, summary.gather.max_row_sum)),
-      fmt::format("{} occluder triangles, {} lights, {} sky patches", summary.occluder_triangles,
-                  model->lights.size(), summary.sky_patches)};
+      fmt::format("{}, {}, {}", counted(summary.occluder_triangles, "occluder triangle"),
+                  counted(model->lights.size(), "light"), counted(summary.sky_patches, "sky patch"))};
   console.say(fmt::format("{}: passed", arguments.file.string()));
   for (const std::string& line : verified) console.say("  " + line);
   console.finish({{"file", arguments.file}, {"passed", true}, {"verified", json_array(verified)}});

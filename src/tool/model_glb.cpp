@@ -5,7 +5,7 @@
 #include <map>
 
 #include "scene/write_glb.h"
-#include "tool/surface_shading.h"
+#include "tool/seen_point.h"
 
 namespace relume {
 namespace {

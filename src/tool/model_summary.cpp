@@ -6,6 +6,12 @@
 #include <algorithm>
 
 namespace relume {
+
+std::string counted(std::uint64_t count, std::string_view noun) {
+  const std::string_view ending = count == 1 ? "" : noun.ends_with("ch") ? "es" : "s";
+  return fmt::format("{} {}{}", count, noun, ending);
+}
+
 namespace {
 
 void add(MatrixSummary& total, const MatrixSummary& part) {
@@ -72,13 +78,13 @@ ModelSummary summarise_model(const Model& model) {
 }
 
 std::vector<std::string> summary_lines(const ModelSummary& summary) {
-  return {
-      fmt::format("{} systems, {} clusters, {} lumels, {} sensors, {} sky patches, {:.6g} m2, {} triangles",
-                  summary.systems.size(), summary.clusters, summary.lumels, summary.sensors,
-                  summary.sky_patches, summary.area, summary.occluder_triangles),
-      fmt::format("{} tree nodes, {} imports; asked for {}", summary.tree_nodes, summary.imports,
-                  summary.options),
-      matrix_line("bounce", summary.bounce), matrix_line("gather", summary.gather)};
+  return {fmt::format("{}, {}, {}, {}, {}, {:.6g} m2, {}", counted(summary.systems.size(), "system"),
+                      counted(summary.clusters, "cluster"), counted(summary.lumels, "lumel"),
+                      counted(summary.sensors, "sensor"), counted(summary.sky_patches, "sky patch"),
+                      summary.area, counted(summary.occluder_triangles, "triangle")),
+          fmt::format("{}, {}; asked for {}", counted(summary.tree_nodes, "tree node"),
+                      counted(summary.imports, "import"), summary.options),
+          matrix_line("bounce", summary.bounce), matrix_line("gather", summary.gather)};
 }
 
 JsonObject summary_json(const ModelSummary& summary, std::uint64_t file_bytes) {
@@ -104,13 +110,12 @@ JsonObject summary_json(const ModelSummary& summary, std::uint64_t file_bytes) {
 
 std::string rig_sentence(const Model& model) {
   if (model.sky_radiance) {
-    return fmt::format(
-        "The scene shines with nothing: lit by the stated rig, a sky of {:.0f} cd/m2 and {} lights.",
-        model.sky_radiance->x, model.lights.size());
+    return fmt::format("The scene shines with nothing: lit by the stated rig, a sky of {:.0f} cd/m2 and {}.",
+                       model.sky_radiance->x, counted(model.lights.size(), "light"));
   }
   return fmt::format(
-      "The scene shines with nothing: lit by the stated rig, {} point lights of 1000 cd under the ceilings.",
-      model.lights.size());
+      "The scene shines with nothing: lit by the stated rig, {} of 1000 cd under the ceilings.",
+      counted(model.lights.size(), "point light"));
 }
 
 }  // namespace relume

@@ -2,12 +2,16 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/model.h"
 #include "tool/json_value.h"
 
 namespace relume {
+
+/// "1 sky patch", "2 sky patches".
+std::string counted(std::uint64_t count, std::string_view noun);
 
 /// The size of a model; matrices of all systems together.
 struct ModelSummary {

@@ -24,23 +24,43 @@ Rgb sky_radiance(const Sky& sky, const glm::vec3& direction) {
   return Rgb(image.radiance[std::size_t{y} * image.width + x]);
 }
 
-/// One radiance per sample, pixel by pixel.
-std::vector<Rgb> cast_samples(const SolvedScene& scene, const ViewFrame& frame, std::uint32_t width,
-                              std::uint32_t height) {
-  std::vector<Rgb> samples(std::size_t{width} * height * kSamples);
-  const auto place_of = [&](std::size_t sample) {
-    const std::size_t pixel = sample / kSamples;
-    const std::size_t corner_of_pixel = sample % kSamples;
-    const double x = double(pixel % width) + (double(corner_of_pixel % kGrid) + 0.5) / kGrid;
-    const double y = double(pixel / width) + (double(corner_of_pixel / kGrid) + 0.5) / kGrid;
-    return glm::dvec2(x / width, y / height);
-  };
+Rgb seen_radiance(const ViewedScene& scene, const ViewRay& ray, const ViewHit& hit) {
+  return hit.met ? scene.radiance(hit.point) : sky_radiance(scene.sky, ray.direction);
+}
+
+/// Where in the picture, 0..1, sample `sample` lies.
+glm::dvec2 place_of(std::size_t sample, const PictureSize& size) {
+  const std::size_t pixel = sample / kSamples;
+  const std::size_t inside = sample % kSamples;
+  const double x = double(pixel % size.width) + (double(inside % kGrid) + 0.5) / kGrid;
+  const double y = double(pixel / size.width) + (double(inside / kGrid) + 0.5) / kGrid;
+  return {x / size.width, y / size.height};
+}
+
+/// Each sample is developed on its own: edges of lamps stay smooth.
+template <class Shown>
+ByteImage mean_of_samples(const std::vector<Rgb>& samples, const PictureSize& size, Shown shown) {
+  ByteImage image(size.width, size.height);
+  for (std::size_t pixel = 0; pixel < image.pixels.size(); ++pixel) {
+    Rgb sum(0.0);
+    for (std::uint32_t k = 0; k < kSamples; ++k) sum += shown(samples[pixel * kSamples + k]);
+    image.pixels[pixel] = srgb_bytes(sum / double(kSamples));
+  }
+  return image;
+}
+
+}  // namespace
+
+std::vector<Rgb> cast_picture(const ViewedScene& scene, const Camera& camera, const PictureSize& size) {
+  const ViewFrame frame(scene.model, camera, double(size.width) / size.height);
+  std::vector<Rgb> samples(std::size_t{size.width} * size.height * kSamples);
   const std::size_t packets = (samples.size() + kPacketSize - 1) / kPacketSize;
   tbb::parallel_for(std::size_t{0}, packets, [&](std::size_t packet) {
     const std::size_t first = packet * kPacketSize;
     ViewRays rays;
-    for (int lane = 0; lane < kPacketSize; ++lane)
-      rays[lane] = frame.ray(place_of(std::min(first + lane, samples.size() - 1)));
+    for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
+      rays[lane] = frame.ray(place_of(std::min(first + lane, samples.size() - 1), size));
+    }
     const ViewHits hits = trace(scene.model, scene.caster, rays);
     for (std::size_t lane = 0; lane < kPacketSize && first + lane < samples.size(); ++lane) {
       samples[first + lane] = seen_radiance(scene, rays[lane], hits[lane]);
@@ -49,25 +69,12 @@ std::vector<Rgb> cast_samples(const SolvedScene& scene, const ViewFrame& frame, 
   return samples;
 }
 
-}  // namespace
-
-Rgb seen_radiance(const SolvedScene& scene, const ViewRay& ray, const ViewHit& hit) {
-  return hit.met ? scene.shading.radiance(hit.point) : sky_radiance(scene.sky, ray.direction);
+ByteImage develop(const std::vector<Rgb>& samples, const ToneCurve& curve, const PictureSize& size) {
+  return mean_of_samples(samples, size, [&](const Rgb& radiance) { return tone_mapped(curve, radiance); });
 }
 
-Picture render_preview(const SolvedScene& scene, const Camera& camera, std::uint32_t width,
-                       std::uint32_t height) {
-  const ViewFrame frame(scene.model, camera, double(width) / height);
-  const std::vector<Rgb> samples = cast_samples(scene, frame, width, height);
-  Picture picture{ByteImage(width, height), fit_tone_curve(samples)};
-  for (std::size_t pixel = 0; pixel < picture.image.pixels.size(); ++pixel) {
-    // Each sample goes through the curve on its own: edges of lamps stay smooth.
-    Rgb sum(0.0);
-    for (std::uint32_t k = 0; k < kSamples; ++k)
-      sum += tone_mapped(picture.curve, samples[pixel * kSamples + k]);
-    picture.image.pixels[pixel] = srgb_bytes(sum / double(kSamples));
-  }
-  return picture;
+ByteImage develop_flat(const std::vector<Rgb>& samples, const PictureSize& size) {
+  return mean_of_samples(samples, size, [](const Rgb& color) { return color; });
 }
 
 }  // namespace relume

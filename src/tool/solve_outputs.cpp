@@ -10,6 +10,7 @@
 #include "tool/model_glb.h"
 #include "tool/preview.h"
 #include "tool/result_tables.h"
+#include "tool/surface_shading.h"
 
 namespace relume {
 namespace {
@@ -74,15 +75,17 @@ Result<void> add_pictures(const Model& model, const LightingSetup& setup, const 
   const Result<RayCaster> caster = RayCaster::create(model.occluders.positions, model.occluders.triangles);
   if (!caster) return tl::unexpected(caster.error());
   const SurfaceShading shading(model, setup.lighting, irradiance);
-  const SolvedScene scene{model, *caster, shading, setup.sky};
-  const Picture preview = render_preview(scene, choose_camera(scene));
+  const auto radiance = [&](const SeenPoint& point) { return shading.radiance(point); };
+  const ViewedScene scene{model, *caster, radiance, setup.sky};
+  const std::vector<Rgb> samples = cast_picture(scene, choose_camera(scene));
+  const ToneCurve curve = fit_tone_curve(samples);
 
   std::vector<ByteImage> textures;
   for (std::size_t s = 0; s < model.systems.size(); ++s) {
-    textures.push_back(shaded_lightmap(model, s, setup.lighting, irradiance, preview.curve));
+    textures.push_back(shaded_lightmap(model, s, setup.lighting, irradiance, curve));
   }
   if (const auto added = folder.add("result.glb", encode_model_glb(model, textures)); !added) return added;
-  return folder.add("preview.png", encode_png(preview.image));
+  return folder.add("preview.png", encode_png(develop(samples, curve)));
 }
 
 }  // namespace

@@ -10,11 +10,6 @@
 namespace relume {
 namespace {
 
-template <class Vector>
-Vector interpolated(const Vector& a, const Vector& b, const Vector& c, const glm::vec2& barycentric) {
-  return (1.0f - barycentric.x - barycentric.y) * a + barycentric.x * b + barycentric.y * c;
-}
-
 std::vector<std::uint32_t> lumel_grid(const System& system) {
   std::vector<std::uint32_t> grid(std::size_t{system.lightmap_width} * system.lightmap_height, kNone);
   for (std::uint32_t i = 0; i < system.lumels.size(); ++i) {
@@ -57,21 +52,13 @@ SurfaceShading::SurfaceShading(const Model& model, const Lighting& lighting, std
   }
 }
 
-bool hidden_back(const Model& model, const SeenPoint& point) {
-  return point.side == Side::back && !model.materials[model.occluders.material[point.triangle]].double_sided;
-}
-
 Rgb SurfaceShading::radiance(const SeenPoint& point) const {
-  const Occluders& occluders = model_.occluders;
-  const std::uint32_t s = occluders.system[point.triangle];
-  const std::vector<glm::vec2>& uv = point.side == Side::front ? occluders.front_uv : occluders.back_uv;
-  if (s == kNone || hidden_back(model_, point) || uv.empty()) return Rgb(0.0);
-  const std::size_t first = std::size_t{3} * point.triangle;
-  const glm::vec2 texel = interpolated(uv[first], uv[first + 1], uv[first + 2], point.barycentric);
-  Sum sum{model_.systems[s], systems_[s]};
-  add_lumels(point, texel, 1, Use::valid, sum);
+  const std::optional<LightmapPlace> place = lightmap_place(model_, point);
+  if (!place) return Rgb(0.0);
+  Sum sum{model_.systems[place->system], systems_[place->system]};
+  add_lumels(point, place->texel, 1, Use::valid, sum);
   for (int reach = 1; reach <= 4 && sum.weight <= 0.0; ++reach)
-    add_lumels(point, texel, reach, Use::all, sum);
+    add_lumels(point, place->texel, reach, Use::all, sum);
   return sum.weight > 0.0 ? sum.radiance / sum.weight : Rgb(0.0);
 }
 

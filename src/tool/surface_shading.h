@@ -7,15 +7,9 @@
 
 #include "core/model.h"
 #include "core/solve.h"
+#include "tool/seen_point.h"
 
 namespace relume {
-
-/// A point of the occluders and the side from which it is seen.
-struct SeenPoint {
-  std::uint32_t triangle = 0;
-  Side side = Side::front;
-  glm::vec2 barycentric{0.0f};  ///< as SurfacePiece
-};
 
 /// What surfaces look like under a solved lighting. Holds references to model and lighting.
 class SurfaceShading {
@@ -43,13 +37,5 @@ class SurfaceShading {
   const Lighting& lighting_;
   std::vector<SystemLumels> systems_;
 };
-
-/// Whether the point is on the back of a single-sided material, which glTF renderers do not draw.
-bool hidden_back(const Model& model, const SeenPoint& point);
-
-/// Corner k of a triangle of the occluders, relative to Model::origin.
-inline const glm::vec3& occluder_corner(const Occluders& occluders, std::uint32_t triangle, int k) {
-  return occluders.positions[occluders.triangles[triangle][k]];
-}
 
 }  // namespace relume

@@ -33,14 +33,6 @@ void disable(RayPacket& packet, int lane) {
 
 }  // namespace
 
-SeenPoint seen_point(const Model& model, std::uint32_t triangle, const glm::vec2& barycentric,
-                     const glm::vec3& direction) {
-  const glm::vec3& a = occluder_corner(model.occluders, triangle, 0);
-  const glm::vec3 normal = glm::cross(occluder_corner(model.occluders, triangle, 1) - a,
-                                      occluder_corner(model.occluders, triangle, 2) - a);
-  return {triangle, glm::dot(normal, direction) < 0.0f ? Side::front : Side::back, barycentric};
-}
-
 ViewHits trace(const Model& model, const RayCaster& caster, const ViewRays& rays) {
   ViewHits hits;
   RayPacket packet = packet_of(rays);

@@ -10,7 +10,7 @@
 
 #include "core/model.h"
 #include "precompute/ray_caster.h"
-#include "tool/surface_shading.h"
+#include "tool/seen_point.h"
 
 namespace relume {
 
@@ -27,10 +27,6 @@ struct ViewHit {
 
 using ViewRays = std::array<ViewRay, kPacketSize>;
 using ViewHits = std::array<ViewHit, kPacketSize>;
-
-/// The point of `triangle` that a ray along `direction` met, with the side that it came from.
-SeenPoint seen_point(const Model& model, std::uint32_t triangle, const glm::vec2& barycentric,
-                     const glm::vec3& direction);
 
 /// The first surface that is drawn along each ray.
 ViewHits trace(const Model& model, const RayCaster& caster, const ViewRays& rays);

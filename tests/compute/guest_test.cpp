@@ -27,7 +27,7 @@ constexpr VkDeviceSize kHostBytes = VkDeviceSize{16} << 20;
 class Guest {
  public:
   Guest(StandaloneDevice& device, const HostDevice& host, const Model& model, const Lighting& lighting,
-        const SolverOptions& options)
+        const SolverOptions& options, const std::vector<Rgb>& weights = {})
       : device_(device), model_(model), lighting_(lighting) {
     auto made = GpuSolver::create(host, model, options);
     EXPECT_TRUE(made) << made.error().message;
@@ -37,7 +37,7 @@ class Guest {
         [this](const BufferRequirement& requirement) { return memory_->allocate(requirement); });
     EXPECT_TRUE(bound) << bound.error().message;
     upload(solver_->model_data(model));
-    upload(solver_->lighting_data(lighting, {}));
+    upload(solver_->lighting_data(lighting, weights));
   }
 
   const GpuSolver& solver() const { return *solver_; }
@@ -130,7 +130,12 @@ TEST_F(GuestTest, StaysInsideTheMemoryOfItsHost) {
 }
 
 TEST_F(GuestTest, TheResidualIsWhatTheLastBounceChanged) {
-  const Guest guest(device(), device().host(), model_, lighting_, {});
+  std::vector<Rgb> weights;
+  for (std::size_t i = 0; i < lighting_.albedo.size(); ++i) {
+    // Powers of two, so that dividing by them rounds nothing.
+    weights.emplace_back(i % 2 == 0 ? 0.5 : 0.125, 1.0, i % 3 == 0 ? 0.25 : 1.0);
+  }
+  const Guest guest(device(), device().host(), model_, lighting_, {}, weights);
   RadiosityHalf half{};
   submit([&](VkCommandBuffer commands) {
     half = guest.solver().record_bounces(commands, 2, guest.solver().record_start(commands));
@@ -139,19 +144,22 @@ TEST_F(GuestTest, TheResidualIsWhatTheLastBounceChanged) {
   });
   const std::vector<Rgb> after = guest.results(2, half).solution.radiosity;
   const std::vector<Rgb> before = guest.results(1, other_half(half)).solution.radiosity;
-  Rgb change(0.0);
-  Rgb top(0.0);
+  Residual expected;
   for (std::size_t i = 0; i < after.size(); ++i) {
-    change = glm::max(change, glm::abs(after[i] - before[i]));
-    top = glm::max(top, after[i]);
+    const Rgb change = glm::abs(after[i] - before[i]);
+    expected.weighted_change = glm::max(expected.weighted_change, change / weights[i]);
+    expected.change = glm::max(expected.change, change);
+    expected.weighted_radiosity = glm::max(expected.weighted_radiosity, after[i] / weights[i]);
+    expected.radiosity = glm::max(expected.radiosity, after[i]);
   }
   const Residual residual = read_residual(guest.memory().bytes(guest.solver().residual()));
   for (int channel = 0; channel < 3; ++channel) {
-    // The device subtracts in 32 bits: half a unit in the last place of the difference. Weights are 1.
-    EXPECT_NEAR(residual.change[channel], change[channel], change[channel] * 0x1p-23);
-    EXPECT_EQ(residual.weighted_change[channel], residual.change[channel]);
-    EXPECT_EQ(residual.radiosity[channel], top[channel]);
-    EXPECT_EQ(residual.weighted_radiosity[channel], top[channel]);
+    // The device subtracts in 32 bits: half a unit in the last place of the difference.
+    EXPECT_NEAR(residual.change[channel], expected.change[channel], expected.change[channel] * 0x1p-23);
+    EXPECT_NEAR(residual.weighted_change[channel], expected.weighted_change[channel],
+                expected.weighted_change[channel] * 0x1p-23);
+    EXPECT_EQ(residual.radiosity[channel], expected.radiosity[channel]);
+    EXPECT_EQ(residual.weighted_radiosity[channel], expected.weighted_radiosity[channel]);
   }
 }
 

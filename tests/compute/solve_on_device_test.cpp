@@ -237,8 +237,8 @@ TEST_F(SolveOnDevice, BlackSceneStaysBlack) {
 TEST_F(SolveOnDevice, RefusesWhatDoesNotContractInTheWordsOfTheReference) {
   DrawnSystem drawn{{{0, 0}, {0, 1}}, {{0.5, 0.5}, {0.5, 0.5}}, {}};
   Model model = drawn_model({drawn}, 0);
-  // Rows that sum to 1.25: no room could look like that.
-  for (float& scale : model.systems[0].bounce.blocks[0].row_scales) scale *= 1.25f;
+  // Rows that sum to 1.2: no room could look like that.
+  for (float& scale : model.systems[0].bounce.blocks[0].row_scales) scale *= 1.2f;
   const Lighting lighting = uniform_lighting(2, Rgb(0.9999), Rgb(1.0));
   const auto reference = solve_reference(reference_matrices(model).bounce, lighting, {});
   const auto out = solve_on_device(device(), model, lighting, {});

@@ -192,5 +192,26 @@ TEST(ContractionBound, FindsThatAModelContractsAlthoughOneRowDoesNot) {
   EXPECT_LT(bound.quotient.x, 1.0);
 }
 
+//      K = [ 0 0.5 ; 0.5 0 ], albedo 0.8: the spectral radius is 0.4, and ones are its eigenvector.
+TEST(ContractionBound, CoversTheRoundingOfItsProducts) {
+  constexpr double kRounding = 1e-3;
+  const ClusterProduct rounded = [](const std::vector<Rgb>& v) -> Result<std::vector<Rgb>> {
+    return std::vector<Rgb>{0.4 * (1.0 - kRounding) * v[1], 0.4 * (1.0 - kRounding) * v[0]};
+  };
+  const auto bound = contraction_bound(rounded, std::vector<Rgb>(2, Rgb(0.8)), kRounding);
+  ASSERT_TRUE(bound) << bound.error().message;
+  EXPECT_NEAR(bound->quotient.x, 0.4, 1e-6);
+  EXPECT_LE(bound->lower_quotient.x, 0.4);
+}
+
+TEST(ContractionBound, GivesTheErrorOfAProduct) {
+  const ClusterProduct lost = [](const std::vector<Rgb>&) -> Result<std::vector<Rgb>> {
+    return fail(ErrorCode::no_device, "the device was lost");
+  };
+  const auto bound = contraction_bound(lost, std::vector<Rgb>(2, Rgb(0.8)), 0.0);
+  ASSERT_FALSE(bound);
+  EXPECT_EQ(bound.error().message, "the device was lost");
+}
+
 }  // namespace
 }  // namespace relume

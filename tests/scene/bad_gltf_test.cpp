@@ -72,7 +72,7 @@ TEST(BadGltf, AlbedoAboveOneIsClampedWithAWarning) {
   ASSERT_TRUE(scene.has_value()) << scene.error().message;
   EXPECT_EQ(scene->materials.at(0).base_color, Rgb(1.0));
   EXPECT_THAT(scene->warnings,
-              testing::ElementsAre(HasSubstr("1 materials have a base colour outside 0 to 1")));
+              testing::ElementsAre(HasSubstr("materials with a base colour outside 0 to 1, clamped: 1")));
 }
 
 TEST(BadGltf, EveryFileOfTheManifestIsCovered) {

@@ -83,8 +83,9 @@ TEST(Lights, OneLightMayHangOnManyNodes) {
 }
 
 TEST(Lights, OutOfRangeNumbersAreRefused) {
-  for (const Json& light : {Json{{"type", "point"}, {"intensity", -1}}, Json{{"type", "point"}, {"range", 0}},
-                            Json{{"type", "point"}, {"color", {1, 1}}}, Json{{"type", "area"}}}) {
+  for (const Json& light :
+       {Json{{"type", "point"}, {"intensity", -1}}, Json{{"type", "point"}, {"range", 0}},
+        Json{{"type", "point"}, {"color", {1, 1}}}, Json{{"type", "area"}}, Json{{"type", "spot"}}}) {
     const auto refused = test::load(lit(light));
     ASSERT_FALSE(refused.has_value()) << light;
     EXPECT_THAT(refused.error().message, testing::HasSubstr("/extensions/KHR_lights_punctual/lights/0/"))

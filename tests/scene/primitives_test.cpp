@@ -54,7 +54,7 @@ TEST(Primitives, PointsAndLinesAreSkippedWithAWarning) {
   for (const int mode : {0, 1, 2, 3}) {
     const Scene scene = test::load_good(square<std::uint16_t>(mode, {0, 1, 2, 3}, test::kUnsignedShort));
     EXPECT_TRUE(scene.triangles.empty());
-    EXPECT_TRUE(test::warns(scene, "1 primitives hold points or lines")) << mode;
+    EXPECT_TRUE(test::warns(scene, "primitives of points or lines, skipped: 1")) << mode;
   }
 }
 
@@ -154,6 +154,29 @@ TEST(Primitives, CompressedViewsAreDecodedAndTheFallbackIsNotAskedFor) {
               testing::HasSubstr("/bufferViews/2/extensions/EXT_meshopt_compression"));
 }
 
+TEST(Primitives, FilteredPositionsAreDecoded) {
+  const std::vector<float> said = {0, 0, 0, 3, 0, 0, 0, -0.625f, 0};  // few bits: the filter keeps them whole
+  std::vector<std::uint32_t> filtered(9);
+  meshopt_encodeFilterExp(filtered.data(), 3, 12, 15, said.data());
+  std::vector<unsigned char> packed(meshopt_encodeVertexBufferBound(3, 12));
+  packed.resize(meshopt_encodeVertexBuffer(packed.data(), packed.size(), filtered.data(), 3, 12));
+  GltfSketch sketch;
+  const int at_packed = sketch.add_view(packed.data(), packed.size());
+  sketch.json["bufferViews"][static_cast<std::size_t>(at_packed)]["byteLength"] = 36;
+  sketch.json["bufferViews"][static_cast<std::size_t>(at_packed)]["buffer"] = 1;
+  sketch.json["bufferViews"][static_cast<std::size_t>(at_packed)]["extensions"]["EXT_meshopt_compression"] = {
+      {"buffer", 0}, {"byteLength", packed.size()}, {"byteStride", 12},
+      {"count", 3},  {"mode", "ATTRIBUTES"},        {"filter", "EXPONENTIAL"}};
+  sketch.json["buffers"] = {{{"byteLength", packed.size()}, {"uri", "data.bin"}}, {{"byteLength", 36}}};
+  const int positions = sketch.add(
+      "accessors",
+      {{"bufferView", at_packed}, {"componentType", test::kFloat}, {"type", "VEC3"}, {"count", 3}});
+  sketch.add_mesh_node({{"attributes", {{"POSITION", positions}}}});
+  const auto p = test::corners(test::load_good(sketch), 0);
+  EXPECT_EQ(p[1], glm::dvec3(3, 0, 0));
+  EXPECT_EQ(p[2], glm::dvec3(0, -0.625, 0));
+}
+
 TEST(Primitives, MirroredNodesKeepTheirFronts) {
   for (const Json& scale : {Json{-1, 1, 1}, Json{1, -1, 1}, Json{-1, -1, -1}}) {
     // Mirroring in the plane of the triangle turns it over: its front still looks where the transform takes
@@ -173,7 +196,7 @@ TEST(Primitives, MorphTargetsGiveTheBaseShapeWithAWarning) {
   sketch.json["meshes"][0]["weights"] = {1.0};
   const Scene scene = test::load_good(sketch);
   EXPECT_EQ(test::triangle_normal(scene, 0), glm::dvec3(0, 0, 1));
-  EXPECT_TRUE(test::warns(scene, "1 primitives have morph targets"));
+  EXPECT_TRUE(test::warns(scene, "only the base shape was read: 1"));
 }
 
 TEST(Primitives, VertexColoursMayBeBytesAndAreClamped) {
@@ -207,7 +230,7 @@ TEST(Primitives, TrianglesWithoutUseAreDroppedInOneWarning) {
   EXPECT_EQ(scene.vertices.positions.size(), 3u) << "the fourth vertex is of no use";
   ASSERT_EQ(scene.warnings.size(), 1u);
   EXPECT_THAT(scene.warnings[0],
-              testing::HasSubstr("dropped 1 triangles without area, 1 repeated and 0 not finite"));
+              testing::HasSubstr("dropped triangles: 1 without area, 1 repeated, 0 not finite"));
 }
 
 TEST(Primitives, TrianglesBeyondAllReachAreDropped) {

@@ -188,6 +188,15 @@ TEST(RefusedGltf, VersionsAndExtensionsThatAreNotRead) {
       {"/extensionsRequired/0", [](auto& s) { s.json["extensionsRequired"] = {"EXT_of_tomorrow"}; }});
 }
 
+TEST(RefusedGltf, CamerasWithoutTheirLens) {
+  expect_refused({"/cameras/0/perspective", [](auto& s) {
+                    s.json["cameras"] = {{{"type", "perspective"}}};
+                  }});
+  expect_refused({"/cameras/0/perspective/yfov", [](auto& s) {
+                    s.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"znear", 1}}}}};
+                  }});
+}
+
 TEST(RefusedGltf, DeepJsonIsRefusedBeforeItIsParsed) {
   const test::ScratchFolder folder;
   const auto refused = load_scene(folder.write("deep.gltf", std::string(100000, '[')));

@@ -132,7 +132,7 @@ TEST_F(SharedPairs, DegenerateTrianglesAreDroppedWithOneWarning) {
   EXPECT_EQ(b.dropped.without_area, 1u);
   EXPECT_EQ(b.dropped.repeated, 1u);
   ASSERT_EQ(b.warnings.size(), 1u);
-  EXPECT_THAT(b.warnings[0], testing::HasSubstr("1 triangles without area, 1 repeated"));
+  EXPECT_THAT(b.warnings[0], testing::HasSubstr("dropped triangles: 1 without area, 1 repeated"));
   expect_same_colors(a, b);
 }
 

@@ -109,6 +109,7 @@ Result<Json> parse_document(const GltfContainer& container, const SceneLimits& l
   if (result) result = check_extensions(*document, file, warnings);
   if (result) result = check_ranges(*document, file);
   if (result) result = check_primitives(*document, file);
+  if (result) result = check_variants(*document, file);
   if (result) result = check_node_forest(*document, file);
   if (!result) return tl::unexpected(result.error());
   return document;

@@ -154,15 +154,15 @@ class Converter {
   }
 
   void warn(std::size_t count, const char* what) {
-    if (count != 0) scene_.warnings.push_back(fmt::format("{}: {} {}", gltf_.name, count, what));
+    if (count != 0) scene_.warnings.push_back(fmt::format("{}: {}: {}", gltf_.name, what, count));
   }
 
   void report() {
-    warn(counts_.clamped, "materials have a base colour outside 0 to 1, which was clamped");
-    warn(counts_.not_finite, "materials have an emission below 0 or not finite, which was set to 0");
-    warn(counts_.not_opaque, "materials are not opaque (alphaMode MASK or BLEND) and are treated as opaque");
-    warn(counts_.without_image, "textures have no image that Relume reads and were left out");
-    warn(counts_.far_uv_set, "textures use a TEXCOORD above 1, which is not read, and were left out");
+    warn(counts_.clamped, "materials with a base colour outside 0 to 1, clamped");
+    warn(counts_.not_finite, "materials with an emission below 0 or not finite, set to 0");
+    warn(counts_.not_opaque, "materials with alphaMode MASK or BLEND, treated as opaque");
+    warn(counts_.without_image, "textures without an image that Relume reads, left out");
+    warn(counts_.far_uv_set, "textures that use a TEXCOORD above 1, left out");
   }
 
   const GltfFile& gltf_;

@@ -178,6 +178,25 @@ Result<void> check_primitives(const Json& document, const std::string& file) {
   return {};
 }
 
+Result<void> check_variants(const Json& document, const std::string& file) {
+  const Json& cameras = array_of(document, "cameras");
+  for (Size i = 0; i < cameras.size(); ++i) {
+    const auto& type = cameras[i]["type"].get_ref<const std::string&>();
+    if (!cameras[i].contains(type))
+      return import_error(file, json_path("cameras", i) + "/" + type, "an object", "nothing");
+  }
+  const Json* punctual = extension_of(document, "KHR_lights_punctual");
+  if (!punctual) return {};
+  const Json& lights = array_of(*punctual, "lights");
+  for (Size i = 0; i < lights.size(); ++i) {
+    if (lights[i]["type"] == "spot" && !lights[i].contains("spot")) {
+      return import_error(file, json_path("extensions/KHR_lights_punctual/lights", i) + "/spot", "an object",
+                          "nothing");
+    }
+  }
+  return {};
+}
+
 Result<void> check_node_forest(const Json& document, const std::string& file) {
   const Json& nodes = array_of(document, "nodes");
   const auto parents = parents_of(nodes, file);

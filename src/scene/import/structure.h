@@ -15,6 +15,9 @@ Result<void> check_ranges(const nlohmann::json& document, const std::string& fil
 /// Indices have data behind them; what is packed in a way that is not read is named.
 Result<void> check_primitives(const nlohmann::json& document, const std::string& file);
 
+/// A camera has the object that its type names, and a spot light its cone.
+Result<void> check_variants(const nlohmann::json& document, const std::string& file);
+
 /// The nodes are a forest: no node has two parents, no cycles, and no root of a scene is a child.
 Result<void> check_node_forest(const nlohmann::json& document, const std::string& file);
 

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "benchmarks.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <string>
+#include <system_error>
+
+#include "scene/generate_scene.h"
+#include "scene/load_scene.h"
+#include "scene/write_glb.h"
+
+namespace relume::bench {
+namespace {
+
+constexpr double kLumels = 12000.0;
+
+constexpr std::array<Benchmark, 2> kBenchmarks{{
+    {"precompute_vs_embree", "time of a precompute against that of bare Embree for the same rays",
+     precompute_vs_embree},
+    {"solve", "form factors a second of the reference product and of each device kernel", solve},
+}};
+
+/// Through a file, as everybody's scene comes.
+Result<Scene> generated_room() {
+  const auto glb = generate_scene("demo");
+  if (!glb) return tl::unexpected(glb.error());
+  const auto file =
+      std::filesystem::temp_directory_path() / ("relume-bench-" + std::to_string(getpid()) + ".glb");
+  if (auto written = write_glb(*glb, file); !written) return tl::unexpected(written.error());
+  auto scene = load_scene(file);
+  std::error_code ignored;
+  std::filesystem::remove(file, ignored);
+  return scene;
+}
+
+double area_of(const Scene& scene) {
+  double area = 0.0;
+  for (const auto& t : scene.triangles) {
+    const auto& p = scene.vertices.positions;
+    area += 0.5 * glm::length(glm::cross(p[t[1]] - p[t[0]], p[t[2]] - p[t[0]]));
+  }
+  return area;
+}
+
+}  // namespace
+
+std::span<const Benchmark> benchmarks() {
+  return kBenchmarks;
+}
+
+Result<Scene> benchmark_scene(const BenchmarkOptions& options) {
+  return options.scene.empty() ? generated_room() : load_scene(options.scene);
+}
+
+PrecomputeOptions precompute_options(const BenchmarkOptions& options, const Scene& scene) {
+  PrecomputeOptions chosen;
+  chosen.texel_size = options.texel_size > 0.0 ? options.texel_size : std::sqrt(area_of(scene) / kLumels);
+  chosen.cluster_size = 3.0 * chosen.texel_size;
+  chosen.quality = options.quality;
+  return chosen;
+}
+
+}  // namespace relume::bench

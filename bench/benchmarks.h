@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "core/result.h"
+#include "measurement.h"
+#include "precompute/precompute.h"
+#include "scene/scene.h"
+
+namespace relume::bench {
+
+struct BenchmarkOptions {
+  std::uint32_t repetitions = 7;
+  std::filesystem::path scene;  ///< empty: the generated furnished room
+  std::uint32_t quality = 512;  ///< rays per lumel
+  double texel_size = 0.0;      ///< m; 0: about 12 k lumels
+};
+
+/// Each checks its answers before it takes times, and fails (check_failed) when they are wrong.
+using Measurements = Result<std::vector<Measurement>>;
+
+struct Benchmark {
+  const char* name;
+  const char* what;
+  Measurements (*run)(const BenchmarkOptions& options);
+};
+
+std::span<const Benchmark> benchmarks();
+
+/// Time of a precompute against that of bare Embree for the same rays.
+Measurements precompute_vs_embree(const BenchmarkOptions& options);
+
+/// Form factors a second of the plain reference product and of each device kernel, against what memory gives.
+Measurements solve(const BenchmarkOptions& options);
+
+/// The scene of `options`, and its precompute options.
+Result<Scene> benchmark_scene(const BenchmarkOptions& options);
+PrecomputeOptions precompute_options(const BenchmarkOptions& options, const Scene& scene);
+
+}  // namespace relume::bench

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+//
+// What a benchmark measured, and how it is printed.
+#pragma once
+
+#include <chrono>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace relume::bench {
+
+struct Measurement {
+  std::string benchmark;
+  std::string name;
+  std::string unit;
+  std::vector<double> values;  ///< one per repetition; a single one for facts
+};
+
+double median(std::vector<double> values);
+
+/// Seconds that `work` takes.
+template <class Work>
+double seconds_of(Work&& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Median, smallest and largest of each, aligned for a reader.
+std::string as_table(std::span<const Measurement> measurements);
+
+/// Header benchmark,name,unit,median,min,max,repetitions.
+std::string as_csv(std::span<const Measurement> measurements);
+
+/// {"measurements":[{"benchmark","name","unit","median","min","max","values"}]}
+std::string as_json(std::span<const Measurement> measurements);
+
+}  // namespace relume::bench

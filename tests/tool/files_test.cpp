@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: MIT
+//
+// The whole program on small scenes whose answers are known, with the reference solver: exit statuses, JSON
+// keys, columns and values.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <csignal>
+
+#include "scene/generate_scene.h"
+#include "scene/load_scene.h"
+#include "scene/shapes.h"
+#include "tool/program.h"
+
+namespace relume::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kPiValue = 3.14159265358979323846;
+
+/// A precomputed scene in a folder of its own.
+struct Precomputed {
+  std::filesystem::path folder;
+  std::string scene;
+  std::string file;
+};
+
+Precomputed precomputed(const std::string& name, const std::vector<std::string>& options = {},
+                        const std::string& sensors = "") {
+  Precomputed result;
+  result.folder = fresh_folder();
+  result.scene = make_scene(name, result.folder);
+  result.file = result.folder / (name + ".relume");
+  std::vector<std::string> command{"precompute", result.scene, "-o",     result.file,
+                                   "--quality",  "64",         "--quiet"};
+  command.insert(command.end(), options.begin(), options.end());
+  if (!sensors.empty()) {
+    write_text(result.folder / "sensors.csv", sensors);
+    command.insert(command.end(), {"--sensors", result.folder / "sensors.csv"});
+  }
+  const Finished finished = run_relume(command);
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  EXPECT_EQ(finished.out, "");
+  return result;
+}
+
+const std::vector<std::string> kCoarse{"--texel-size", "0.1", "--cluster-size", "0.25"};
+
+nlohmann::json solve_json(const Precomputed& input, const std::vector<std::string>& options = {}) {
+  std::vector<std::string> command{"solve",    input.file, "-o", input.folder / "result",
+                                   "--device", "reference"};
+  command.insert(command.end(), options.begin(), options.end());
+  return relume_json(command);
+}
+
+double number(const std::map<std::string, std::string>& row, const std::string& column) {
+  return std::stod(row.at(column));
+}
+
+TEST(Files, InfoHasTheKeysThatScriptsRelyOn) {
+  const Precomputed box = precomputed("furnace_box", kCoarse, "id,px,py,pz,nx,ny,nz\na,0.5,0.5,0.5,0,1,0\n");
+  const nlohmann::json info = relume_json({"info", box.file});
+  EXPECT_EQ(info.at("systems"), 1);
+  EXPECT_EQ(info.at("sensors"), 1);
+  EXPECT_EQ(info.at("probes"), 0);
+  EXPECT_EQ(info.at("sky_patches"), 0);  // a closed room
+  EXPECT_EQ(info.at("file_bytes"), std::filesystem::file_size(box.file));
+  EXPECT_EQ(info.at("geometry_hash").get<std::string>().size(), 16u);
+  EXPECT_NEAR(info.at("area").get<double>(), 6.0, 1e-5);
+  const auto clusters = info.at("clusters").get<int>();
+  const auto lumels = info.at("lumels").get<int>();
+  EXPECT_GE(clusters, 6 * 16);  // six faces of 1 m2 in clusters of at most 0.25 m
+  EXPECT_GE(lumels, 6 * 100);
+  for (const char* name : {"bounce", "gather"}) {
+    const nlohmann::json& matrix = info.at(name);
+    EXPECT_EQ(matrix.at("columns"), clusters);
+    EXPECT_GT(matrix.at("nonzeros").get<int>(), clusters);
+    EXPECT_LE(matrix.at("max_row_sum").get<double>(), 1.0);
+    EXPECT_GT(matrix.at("max_row_sum").get<double>(), 0.99);
+  }
+  EXPECT_EQ(info.at("bounce").at("rows"), clusters);
+  EXPECT_EQ(info.at("gather").at("rows"), lumels + 1);
+}
+
+TEST(Files, CheckPassesAndRefusesAFlippedBit) {
+  const Precomputed box = precomputed("furnace_box", kCoarse);
+  EXPECT_EQ(relume_json({"check", box.file}).at("passed"), true);
+  std::string bytes = read_text(box.file);
+  bytes[bytes.size() / 2] ^= 1;
+  write_text(box.file, bytes);
+  const Finished refused = run_relume({"check", box.file});
+  EXPECT_THAT(refused.status, testing::AnyOf(1, 3));
+  EXPECT_THAT(refused.err, HasSubstr(box.file));
+}
+
+TEST(Files, FurnaceRadiosityIsExitanceOverOneMinusAlbedo) {
+  const Precomputed box = precomputed("furnace_box", kCoarse);
+  const nlohmann::json solved = solve_json(box, {"--tolerance", "1e-6"});
+  EXPECT_EQ(solved.at("device"), "reference");
+  EXPECT_EQ(solved.at("method"), "bounces");
+  EXPECT_GT(solved.at("bounces").get<int>(), 10);
+  EXPECT_LE(solved.at("error_bound").get<double>(), 1e-6);
+  EXPECT_LE(solved.at("relative_residual").get<double>(), 1e-6);
+  EXPECT_EQ(solved.at("lit_by_rig"), false);
+  EXPECT_GT(solved.at("seconds").at("total").get<double>(), 0.0);
+
+  std::string header;
+  const auto rows = read_csv(box.folder / "result" / "clusters.csv", header);
+  EXPECT_EQ(header,
+            "id,system,px,py,pz,nx,ny,nz,area,albedo_r,albedo_g,albedo_b,exitance_r,exitance_g,exitance_b,"
+            "direct_r,direct_g,direct_b,radiosity_r,radiosity_g,radiosity_b");
+  double area = 0.0;
+  for (const auto& row : rows) {
+    EXPECT_NEAR(number(row, "albedo_r"), 0.5, 1e-6);
+    EXPECT_NEAR(number(row, "exitance_g"), kPiValue, 1e-5);  // radiance 1 cd/m2
+    EXPECT_EQ(number(row, "direct_b"), 0.0);
+    EXPECT_NEAR(number(row, "radiosity_b"), 2.0 * kPiValue,
+                2e-3 * kPiValue);  // pi / (1 - 0.5), the furnace's 0.1 %
+    area += number(row, "area");
+  }
+  EXPECT_NEAR(area, 6.0, 1e-4);
+}
+
+TEST(Files, BouncesAreCounted) {
+  const Precomputed box = precomputed("furnace_box", kCoarse);
+  EXPECT_EQ(solve_json(box, {"--bounces", "2"}).at("bounces"), 2);
+  std::string header;
+  for (const auto& row : read_csv(box.folder / "result" / "clusters.csv", header)) {
+    EXPECT_NEAR(number(row, "radiosity_r"), kPiValue * (1.0 + 0.5 + 0.25),
+                1e-3 * kPiValue);  // B0 = M, twice M + 0.5 K B
+  }
+}
+
+TEST(Files, SolveWritesWhatItPromises) {
+  const Precomputed box = precomputed("furnace_box", kCoarse);
+  const nlohmann::json info = relume_json({"info", box.file});
+  const nlohmann::json solved = solve_json(box);
+  const std::filesystem::path result = box.folder / "result";
+  for (const auto& path : solved.at("files"))
+    EXPECT_TRUE(std::filesystem::is_regular_file(path.get<std::string>())) << path;
+  const std::string system = info.at("system_list")[0].at("name");
+  for (const std::string& name :
+       {"lightmaps/" + system + ".direct.exr", "lightmaps/" + system + ".indirect.exr",
+        std::string("lightmaps.json"), std::string("clusters.csv"), std::string("sensors.csv"),
+        std::string("result.glb"), std::string("preview.png")}) {
+    EXPECT_TRUE(std::filesystem::is_regular_file(result / name)) << name;
+  }
+  EXPECT_EQ(solved.at("files").size(), 7u);
+
+  const auto lightmaps = nlohmann::json::parse(read_text(result / "lightmaps.json"));
+  const nlohmann::json& lightmap = lightmaps.at("lightmaps").at(0);
+  EXPECT_EQ(lightmap.at("system"), system);
+  EXPECT_EQ(lightmap.at("width"), info.at("system_list")[0].at("lightmap")[0]);
+  EXPECT_EQ(lightmap.at("charts").at(0).at("node"), "wall");
+  EXPECT_TRUE(lightmap.at("charts").at(0).at("uv_set").is_null());
+
+  // Inward faces are drawn from inside only: the same 12 triangles come back.
+  const Result<Scene> scene = load_scene(result / "result.glb");
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->triangles.size(), 12u);
+  EXPECT_TRUE(scene->materials[scene->surfaces[0].material].unlit);
+  EXPECT_TRUE(scene->surfaces[0].has_uv1);
+}
+
+// A lamp of 100 cd, 2 m above the middle of a plane: E = I cos / d2.
+TEST(Files, SensorsUnderALamp) {
+  const Precomputed plane = precomputed("light_plane", {},
+                                        "id,px,py,pz,nx,ny,nz\n"
+                                        "under,0,0,0,0,1,0\n"
+                                        "aside,1.5,0,0,0,2,0\n"
+                                        "turned,0,0.5,0,1,0,0\n");
+  write_text(plane.folder / "lights.json",
+             R"({"lights":[{"type":"point","color":[1,0.5,0],"intensity":100,"position":[0,2,0]}]})");
+  const nlohmann::json solved = solve_json(plane, {"--lights", plane.folder / "lights.json"});
+  EXPECT_EQ(solved.at("lit_by_rig"), false);
+  std::string header;
+  const auto rows = read_csv(plane.folder / "result" / "sensors.csv", header);
+  EXPECT_EQ(header, "id,px,py,pz,nx,ny,nz,direct_r,direct_g,direct_b,indirect_r,indirect_g,indirect_b");
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[0].at("id"), "under");
+  EXPECT_EQ(rows[1].at("id"), "aside");
+  EXPECT_EQ(rows[2].at("id"), "turned");
+  EXPECT_NEAR(number(rows[0], "direct_r"), 25.0, 0.025);  // 100 / 4; sensors are lifted by micrometres
+  EXPECT_NEAR(number(rows[0], "direct_g"), 12.5, 0.0125);
+  EXPECT_EQ(number(rows[0], "direct_b"), 0.0);
+  EXPECT_NEAR(number(rows[1], "direct_r"), 100.0 * 0.8 / 6.25, 0.0128);  // d2 = 4 + 2.25, cos = 2 / 2.5
+  EXPECT_EQ(number(rows[2], "direct_r"), 0.0);    // the lamp is in the sensor's own plane
+  EXPECT_EQ(number(rows[0], "indirect_r"), 0.0);  // a plane does not see itself
+  EXPECT_NEAR(number(rows[1], "ny"), 1.0, 1e-6);
+}
+
+// Nothing hides the sky from a plane that looks up: I = pi L.
+TEST(Files, SkyOverAPlane) {
+  const Precomputed plane = precomputed("light_plane", {}, "id,px,py,pz,nx,ny,nz\nup,0,0,0,0,1,0\n");
+  solve_json(plane, {"--sky", "1,2,0.5"});
+  std::string header;
+  const auto rows = read_csv(plane.folder / "result" / "sensors.csv", header);
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_NEAR(number(rows[0], "indirect_r"), kPiValue,
+              1e-5);  // the form factors of one row sum to 1 within rounding
+  EXPECT_NEAR(number(rows[0], "indirect_g"), 2.0 * kPiValue, 2e-5);
+  EXPECT_NEAR(number(rows[0], "indirect_b"), 0.5 * kPiValue, 1e-5);
+  EXPECT_EQ(number(rows[0], "direct_r"), 0.0);
+}
+
+TEST(Files, TheRigIsNamedAndGoesOutWhenSomethingElseShines) {
+  const Precomputed plane = precomputed("light_plane");
+  const Finished lit =
+      run_relume({"solve", plane.file, "-o", plane.folder / "result", "--device", "reference", "--json"});
+  const auto json = nlohmann::json::parse(lit.out);
+  EXPECT_EQ(json.at("lit_by_rig"), true);
+  EXPECT_THAT(lit.err, HasSubstr("rig"));
+  EXPECT_THAT(json.at("warnings").dump(), HasSubstr("rig"));
+  EXPECT_EQ(solve_json(plane, {"--sky", "1,1,1"}).at("lit_by_rig"), false);
+  std::string header;
+  for (const auto& row : read_csv(plane.folder / "result" / "clusters.csv", header))
+    EXPECT_EQ(number(row, "direct_r"), 0.0);
+}
+
+TEST(Files, MaterialsReplaceAlbedoAndEmission) {
+  const Precomputed box = precomputed("furnace_box", kCoarse);
+  write_text(box.folder / "materials.json",
+             R"({"materials":{"wall":{"albedo":[0.25,0.5,0.75],"emission":[2,2,2]}}})");
+  solve_json(box, {"--materials", box.folder / "materials.json", "--tolerance", "1e-6"});
+  std::string header;
+  for (const auto& row : read_csv(box.folder / "result" / "clusters.csv", header)) {
+    EXPECT_NEAR(number(row, "radiosity_r"), 2.0 * kPiValue / 0.75, 1e-2);
+    EXPECT_NEAR(number(row, "radiosity_g"), 2.0 * kPiValue / 0.5, 1.3e-2);
+    EXPECT_NEAR(number(row, "radiosity_b"), 2.0 * kPiValue / 0.25, 2.6e-2);
+  }
+}
+
+TEST(Files, AnEditedSceneBringsColoursAndAMovedOneIsRefused) {
+  const Precomputed box = precomputed("furnace_box", kCoarse);
+  GlbScene edited = *generate_scene("furnace_box");
+  edited.materials[0].base_color = Rgb(0.2);
+  edited.materials[0].emission = Rgb(3.0);
+  const std::string recoloured = box.folder / "recoloured.glb";
+  ASSERT_TRUE(write_glb(edited, recoloured));
+  solve_json(box, {"--scene", recoloured, "--tolerance", "1e-6"});
+  std::string header;
+  for (const auto& row : read_csv(box.folder / "result" / "clusters.csv", header)) {
+    EXPECT_NEAR(number(row, "radiosity_r"), 3.0 * kPiValue / 0.8, 1.2e-2);
+  }
+  edited.meshes[0].primitives[0].positions[0].x += 0.125f;
+  const std::string moved = box.folder / "moved.glb";
+  ASSERT_TRUE(write_glb(edited, moved));
+  const Finished refused =
+      run_relume({"solve", box.file, "-o", box.folder / "moved", "--device", "reference", "--scene", moved});
+  EXPECT_EQ(refused.status, 3);
+  EXPECT_THAT(refused.err, HasSubstr("wall"));
+  EXPECT_FALSE(std::filesystem::exists(box.folder / "moved"));
+}
+
+// Form factors of the unit cube (J. Howell, A Catalog of Radiation Heat Transfer Configuration Factors, C-11
+// and C-14).
+TEST(Files, FactorsOfAUnitCube) {
+  const glm::dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1), origin(0.0);
+  GlbScene cube;
+  const auto add = [&](const char* name, const glm::dvec3& corner, const glm::dvec3& u, const glm::dvec3& v) {
+    GlbPrimitive mesh;
+    append_quad(mesh, corner, u, v);
+    add_surface(cube, name, Rgb(0.5), std::move(mesh));
+  };
+  add("left", origin, y, z);
+  add("right", x, z, y);
+  add("bottom", origin, z, x);
+  add("top", y, x, z);
+  add("back", origin, x, y);
+  add("front", z, y, x);
+  const std::string scene = fresh_folder() / "cube.glb";
+  ASSERT_TRUE(write_glb(cube, scene));
+  const nlohmann::json json = relume_json({"factors", scene, "--rays", "65536"});
+  EXPECT_EQ(json.at("surfaces"), nlohmann::json({"left", "right", "bottom", "top", "back", "front"}));
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_NEAR(json.at("areas")[i].get<double>(), 1.0, 1e-9);
+    for (int j = 0; j < 6; ++j) {
+      const double expected = i == j ? 0.0 : i / 2 == j / 2 ? 0.1998249 : 0.2000438;
+      const double error = json.at("standard_error")[i][j].get<double>();
+      EXPECT_NEAR(json.at("factors")[i][j].get<double>(), expected, std::max(5.0 * error, 1e-9))
+          << i << " " << j;
+      EXPECT_LT(error, 1e-3);
+    }
+  }
+}
+
+TEST(Files, ExportedMatrixHasTheRowsThatInfoCounts) {
+  const Precomputed box = precomputed("furnace_box", kCoarse);
+  const nlohmann::json info = relume_json({"info", box.file});
+  const std::string folder = box.folder / "exported";
+  const nlohmann::json exported = relume_json({"export", box.file, "--matrices", "mtx", "--glb", "--debug",
+                                               "validity", "--debug", "clusters", "-o", folder});
+  EXPECT_EQ(exported.at("files").size(), 2u + 1u + 2u * 3u);
+  std::istringstream text(read_text(folder + "/bounce.mtx"));
+  std::string line;
+  std::getline(text, line);
+  EXPECT_EQ(line, "%%MatrixMarket matrix coordinate real general");
+  while (text.peek() == '%') std::getline(text, line);
+  std::size_t rows = 0, columns = 0, entries = 0;
+  text >> rows >> columns >> entries;
+  EXPECT_EQ(rows, info.at("clusters").get<std::size_t>());
+  EXPECT_EQ(columns, info.at("bounce").at("columns").get<std::size_t>());
+  EXPECT_EQ(entries, info.at("bounce").at("nonzeros").get<std::size_t>());
+  std::vector<double> sums(rows + 1, 0.0);
+  std::size_t read = 0, row = 0, column = 0;
+  for (double value = 0.0; text >> row >> column >> value; ++read) {
+    ASSERT_TRUE(row >= 1 && row <= rows && column >= 1 && column <= columns);
+    sums[row] += value;
+  }
+  EXPECT_EQ(read, entries);
+  EXPECT_NEAR(*std::max_element(sums.begin(), sums.end()), info.at("bounce").at("max_row_sum").get<double>(),
+              1e-12);
+}
+
+TEST(Files, CtrlCStopsAPrecomputeAndLeavesNothing) {
+  const std::filesystem::path folder = fresh_folder();
+  const std::string scene = make_scene("demo", folder);
+  const std::string file = folder / "demo.relume";
+  // Minutes of work: it is still busy when the signal comes.
+  const Finished stopped = run_relume({"precompute", scene, "-o", file, "--quality", "16384"}, {}, 1000);
+  EXPECT_EQ(stopped.status, 130) << stopped.err;
+  std::vector<std::string> left;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    left.push_back(entry.path().filename());
+  EXPECT_THAT(left, testing::ElementsAre("demo.glb"));
+}
+
+TEST(Files, TheSameInputGivesTheSameFileForAnyNumberOfThreads) {
+  const Precomputed one =
+      precomputed("two_rooms", {"--threads", "1", "--texel-size", "0.3", "--cluster-size", "0.6"});
+  const Precomputed many =
+      precomputed("two_rooms", {"--threads", "4", "--texel-size", "0.3", "--cluster-size", "0.6"});
+  EXPECT_TRUE(read_text(one.file) == read_text(many.file));
+}
+
+}  // namespace
+}  // namespace relume::test

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include "tool/program.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+namespace relume::test {
+namespace {
+
+std::vector<char*> pointers(const std::vector<std::string>& texts) {
+  std::vector<char*> list;
+  for (const std::string& text : texts) list.push_back(const_cast<char*>(text.c_str()));
+  list.push_back(nullptr);
+  return list;
+}
+
+/// Our environment with `changes` (NAME=VALUE) in place of what has the same name.
+std::vector<std::string> environment_with(const std::vector<std::string>& changes) {
+  const auto name_of = [](const std::string& entry) { return entry.substr(0, entry.find('=')); };
+  std::vector<std::string> all = changes;
+  for (char** entry = environ; *entry; ++entry) {
+    const auto same_name = [&](const std::string& change) { return name_of(change) == name_of(*entry); };
+    if (std::none_of(changes.begin(), changes.end(), same_name)) all.emplace_back(*entry);
+  }
+  return all;
+}
+
+std::vector<std::string> split(const std::string& line) {
+  std::vector<std::string> cells;
+  std::istringstream stream(line);
+  for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+  return cells;
+}
+
+}  // namespace
+
+Finished run_command(const std::vector<std::string>& command, const std::vector<std::string>& environment,
+                     int interrupt_after_ms) {
+  const std::filesystem::path folder = fresh_folder();
+  const std::string out = folder / "out.txt";
+  const std::string err = folder / "err.txt";
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, 1, out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  posix_spawn_file_actions_addopen(&actions, 2, err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  const std::vector<std::string> variables = environment_with(environment);
+  pid_t child = 0;
+  const int failed = posix_spawn(&child, command[0].c_str(), &actions, nullptr, pointers(command).data(),
+                                 pointers(variables).data());
+  posix_spawn_file_actions_destroy(&actions);
+  if (failed != 0) {
+    ADD_FAILURE() << command[0] << " could not be started";
+    return {};
+  }
+  if (interrupt_after_ms > 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(interrupt_after_ms));
+    kill(child, SIGINT);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_text(out), read_text(err)};
+}
+
+Finished run_relume(std::vector<std::string> arguments, const std::vector<std::string>& environment,
+                    int interrupt_after_ms) {
+  arguments.insert(arguments.begin(), RELUME_PROGRAM);
+  return run_command(arguments, environment, interrupt_after_ms);
+}
+
+nlohmann::json relume_json(std::vector<std::string> arguments) {
+  arguments.emplace_back("--json");
+  const Finished finished = run_relume(arguments);
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  nlohmann::json json = nlohmann::json::parse(finished.out, nullptr, false);
+  EXPECT_TRUE(json.is_object()) << finished.out;
+  return json;
+}
+
+std::filesystem::path fresh_folder() {
+  const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+  static int count = 0;
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "relume-tool-tests" /
+                                       (std::string(test->test_suite_name()) + "." + test->name() + "." +
+                                        std::to_string(getpid()) + "." + std::to_string(count++));
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
+std::string make_scene(const std::string& name, const std::filesystem::path& folder) {
+  const std::string file = folder / (name + ".glb");
+  EXPECT_EQ(run_command({RELUME_MAKE_SCENE, name, "-o", file}).status, 0);
+  return file;
+}
+
+void write_text(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+std::string read_text(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::vector<std::map<std::string, std::string>> read_csv(const std::filesystem::path& file,
+                                                         std::string& header) {
+  std::ifstream stream(file);
+  std::getline(stream, header);
+  const std::vector<std::string> names = split(header);
+  std::vector<std::map<std::string, std::string>> rows;
+  for (std::string line; std::getline(stream, line);) {
+    const std::vector<std::string> cells = split(line);
+    EXPECT_EQ(cells.size(), names.size()) << line;
+    auto& row = rows.emplace_back();
+    for (std::size_t c = 0; c < std::min(cells.size(), names.size()); ++c) row[names[c]] = cells[c];
+  }
+  return rows;
+}
+
+}  // namespace relume::test

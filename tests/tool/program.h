@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+//
+// Runs programs the way a person does, and reads what they leave behind.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace relume::test {
+
+struct Finished {
+  int status = 0;  ///< exit status, 128 + signal when it was killed
+  std::string out;
+  std::string err;
+};
+
+/// Runs a program with arguments; `environment` (NAME=VALUE) replaces parts of ours. With
+/// `interrupt_after_ms` it gets SIGINT once.
+Finished run_command(const std::vector<std::string>& command,
+                     const std::vector<std::string>& environment = {}, int interrupt_after_ms = 0);
+
+/// Runs `relume`.
+Finished run_relume(std::vector<std::string> arguments, const std::vector<std::string>& environment = {},
+                    int interrupt_after_ms = 0);
+
+/// Runs `relume ... --json` and expects exit status 0 and one JSON object on standard output.
+nlohmann::json relume_json(std::vector<std::string> arguments);
+
+/// An empty folder of this test alone.
+std::filesystem::path fresh_folder();
+
+/// `relume-make-scene NAME` into `folder`; the path of the .glb.
+std::string make_scene(const std::string& name, const std::filesystem::path& folder);
+
+void write_text(const std::filesystem::path& file, const std::string& text);
+std::string read_text(const std::filesystem::path& file);
+
+/// Rows of a CSV by column name. The first line goes to `header`.
+std::vector<std::map<std::string, std::string>> read_csv(const std::filesystem::path& file,
+                                                         std::string& header);
+
+}  // namespace relume::test
