@@ -103,7 +103,7 @@ Result<std::vector<double>> device_speeds(StandaloneDevice& device, const Proble
     const double seconds =
         solved->seconds.gpu_bounces > 0.0 ? solved->seconds.gpu_bounces : solved->seconds.bounces;
     // The first run compiles kernels.
-    if (r > 0) speeds.push_back(double(problem.matrices.bounce.values.size()) * kBounces / seconds);
+    if (r > 0) speeds.push_back(double(problem.matrices.bounce.rows.values.size()) * kBounces / seconds);
   }
   return speeds;
 }
@@ -121,7 +121,7 @@ Measurements solve(const BenchmarkOptions& options) {
   for (const ValueCodec codec : {ValueCodec::f32, ValueCodec::unorm16}) {
     const auto problem = make_problem(options, *scene, codec);
     if (!problem) return tl::unexpected(problem.error());
-    const double nonzeros = double(problem->matrices.bounce.values.size());
+    const double nonzeros = double(problem->matrices.bounce.rows.values.size());
     if (codec == ValueCodec::f32) {
       result.push_back({kName, "form factors of one bounce", "", {nonzeros}});
       std::vector<double> speeds;

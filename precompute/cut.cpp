@@ -124,7 +124,10 @@ class TileCutter {
     const double unseen = std::max(0.0, 1.0 - seen);
     const double unseen_leaves = double(range.count) - double(c.last - c.first);
     if (unseen_leaves > 0.0) noise += unseen_leaves * mean_deviation(sum * unseen / unseen_leaves * rays_);
-    return std::max(0.0, deviation + sum * unseen - noise / rays_);
+    // Where rays are few against leaves, noise hides what a finer node would show.
+    constexpr double kAtLeast = 0.25;
+    const double found = deviation + sum * unseen;
+    return std::max(kAtLeast * found, found - noise / rays_);
   }
 
   double value(std::size_t leaf, std::size_t row) const { return union_.values[leaf * union_.rows + row]; }

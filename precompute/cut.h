@@ -29,8 +29,8 @@ struct CutLimits {
 
 /// Starts from the roots and refines the node of largest spread. The spread of a node n is sum_j |F_j - F_n
 /// A_j / A_n| over its leaves j, F the mean of the tile's rows, less what sampling noise alone would make of
-/// it with `rays` rays a row: it is large where the tile sees only a part of the node (through a door, past a
-/// wall) and where the node is near. `leaf_area` per leaf.
+/// it with `rays` rays a row, but at least a quarter of it: it is large where the tile sees only a part of
+/// the node (through a door, past a wall) and where the node is near. `leaf_area` per leaf.
 CutTile cut_tile(const ClusterTree& tree, std::span<const double> leaf_area,
                  std::span<const FormFactorRow* const> rows, std::uint32_t rays, const CutLimits& limits);
 
