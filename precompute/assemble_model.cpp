@@ -173,8 +173,7 @@ Result<Model> assemble_model(const ModelParts& parts, const PrecomputeOptions& o
   if (auto stored = store_matrices(parts, options, orders, model, report); !stored)
     return tl::unexpected(stored.error());
   std::vector<bool> emits(parts.scene.materials.size(), false);
-  for (const Emitter& e : parts.emitters.list)
-    emits[parts.geometry.material[e.pieces[0].shape.triangle]] = true;
+  for (const Emitter& e : parts.emitters.list) emits[e.material] = true;
   for (std::size_t m = 0; m < parts.scene.materials.size(); ++m) {
     model.materials.push_back(
         {parts.scene.materials[m].name, parts.scene.materials[m].double_sided, emits[m]});

@@ -6,26 +6,30 @@
 #include <glm/geometric.hpp>
 
 #include "core/quantities.h"
-#include "precompute/sampling.h"
 
 namespace relume {
 namespace {
 
-void add_element(const SystemSurface& surface, const Element& element, Side side, Emitter& emitter) {
-  emitter.side = side;
+void add_element(const Geometry& geometry, const SystemSurface& surface, const Element& element, Side side,
+                 Emitter& emitter) {
+  emitter.material = element.material;
   emitter.centroid += element.position * element.area;
   emitter.normal += element.normal * element.area;
   for (std::uint32_t p = 0; p < element.piece_count; ++p) {
     const Piece& piece = surface.pieces[element.first_piece + p];
+    const SurfacePiece& shape = piece.shape;
+    std::array<glm::vec3, 3> corners{};
+    for (std::size_t k = 0; k < 3; ++k)
+      corners[k] = geometry.point(shape.triangle, shape.corners[k].x, shape.corners[k].y);
     emitter.area += piece.area;
-    emitter.pieces.push_back(piece);
-    emitter.cumulative_area.push_back(emitter.area);
+    emitter.points.add(corners, geometry.normal(shape.triangle, side), piece.area);
   }
 }
 
 void finish(const SystemSurface& surface, const std::vector<std::uint32_t>& elements, Emitter& emitter) {
   emitter.centroid /= float(emitter.area);
   emitter.normal /= float(emitter.area);
+  emitter.key = Receiver::point({emitter.centroid, emitter.normal}).key();
   for (const auto e : elements) {
     const Element& element = surface.elements[e];
     emitter.radius =
@@ -50,21 +54,9 @@ double estimate(const Emitter& emitter, const Receiver& receiver) {
 
 }  // namespace
 
-SurfacePoint Emitter::sample(const Geometry& geometry, float u, float v) const {
-  const double target = double(u) * cumulative_area.back();
-  const auto found = std::upper_bound(cumulative_area.begin(), cumulative_area.end() - 1, target);
-  const auto index = std::size_t(found - cumulative_area.begin());
-  const double below = index > 0 ? cumulative_area[index - 1] : 0.0;
-  const double share = (target - below) / std::max(cumulative_area[index] - below, 1e-300);
-  const glm::vec2 at = triangle_point(std::clamp(float(share), 0.0f, 0.99999994f), v);
-  const auto& c = pieces[index].shape.corners;
-  const glm::vec2 uv = c[0] * (1.0f - at.x - at.y) + c[1] * at.x + c[2] * at.y;
-  return {geometry.point(pieces[index].shape.triangle, uv.x, uv.y),
-          geometry.normal(pieces[index].shape.triangle, side)};
-}
-
-Emitters find_emitters(const std::vector<Chart>& charts, const std::vector<ClusteredSurface>& systems,
-                       const std::vector<bool>& material_emits, const std::vector<bool>& node_emits) {
+Emitters find_emitters(const Geometry& geometry, const std::vector<Chart>& charts,
+                       const std::vector<ClusteredSurface>& systems, const std::vector<bool>& material_emits,
+                       const std::vector<bool>& node_emits) {
   Emitters emitters;
   for (const ClusteredSurface& system : systems) {
     emitters.of_cluster.resize(system.first_cluster + system.cluster_count, kNone);
@@ -80,7 +72,7 @@ Emitters find_emitters(const std::vector<Chart>& charts, const std::vector<Clust
       emitter.cluster = system.first_cluster + c;
       for (const auto e : members[c]) {
         const Element& element = system.surface.elements[e];
-        add_element(system.surface, element, charts[element.chart].side, emitter);
+        add_element(geometry, system.surface, element, charts[element.chart].side, emitter);
       }
       finish(system.surface, members[c], emitter);
       emitters.of_cluster[emitter.cluster] = std::uint32_t(emitters.list.size());

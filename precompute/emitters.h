@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "precompute/area_sampler.h"
 #include "precompute/receiver.h"
 #include "precompute/sender_lookup.h"
 
@@ -16,16 +17,13 @@ namespace relume {
 /// One cluster that may emit.
 struct Emitter {
   std::uint32_t cluster = 0;  ///< numbered through over all systems
-  double area = 0.0;          ///< m2
+  std::uint32_t material = 0;
+  double area = 0.0;  ///< m2
   glm::vec3 centroid{0.0f};
   glm::vec3 normal{0.0f};  ///< mean, not unit: shorter the more the cluster bends
   float radius = 0.0f;     ///< of a sphere about the centroid that holds it
-  Side side = Side::front;
-  std::vector<Piece> pieces;
-  std::vector<double> cumulative_area;
-
-  /// Point of the emitter for u, v in [0, 1).
-  SurfacePoint sample(const Geometry& geometry, float u, float v) const;
+  std::uint64_t key = 0;   ///< of its place, for seeds
+  AreaSampler points;
 };
 
 struct Emitters {
@@ -34,8 +32,9 @@ struct Emitters {
 };
 
 /// Clusters of materials that may emit (`material_emits`, per material) or of nodes that may (`node_emits`).
-Emitters find_emitters(const std::vector<Chart>& charts, const std::vector<ClusteredSurface>& systems,
-                       const std::vector<bool>& material_emits, const std::vector<bool>& node_emits);
+Emitters find_emitters(const Geometry& geometry, const std::vector<Chart>& charts,
+                       const std::vector<ClusteredSurface>& systems, const std::vector<bool>& material_emits,
+                       const std::vector<bool>& node_emits);
 
 /// How many of `total` area samples each emitter gets from a receiver: in proportion to an upper estimate of
 /// its unoccluded form factor, none when it is behind.

@@ -6,17 +6,49 @@
 namespace relume {
 namespace {
 
-void set_ray(RayPacket& packet, int lane, const glm::vec3& origin, const glm::vec3& direction) {
-  packet.origin_x[lane] = origin.x, packet.origin_y[lane] = origin.y, packet.origin_z[lane] = origin.z;
-  packet.direction_x[lane] = direction.x, packet.direction_y[lane] = direction.y,
-  packet.direction_z[lane] = direction.z;
-  packet.near[lane] = 0.0f;
-  packet.far[lane] = std::numeric_limits<float>::infinity();
+static_assert(kPacketSize == int(kLanes));
+
+/// Directions about +Z, lane by lane.
+struct DirectionLanes {
+  Lanes x, y, z;
+};
+
+/// Always inline: a call from one instruction set into another costs more than all of it.
+[[gnu::always_inline]] inline void set_lane(const Frame& frame, float offset, const PointLanes& origins,
+                                            const DirectionLanes& local, std::size_t lane, RayPacket& rays) {
+  const glm::vec3 direction = frame.to_world({local.x[lane], local.y[lane], local.z[lane]});
+  rays.direction_x[lane] = direction.x;
+  rays.direction_y[lane] = direction.y;
+  rays.direction_z[lane] = direction.z;
+  rays.origin_x[lane] = origins.x[lane] + offset * frame.normal.x;
+  rays.origin_y[lane] = origins.y[lane] + offset * frame.normal.y;
+  rays.origin_z[lane] = origins.z[lane] + offset * frame.normal.z;
 }
 
-void set_unused(RayPacket& packet, int lane) {
-  set_ray(packet, lane, glm::vec3(0.0f), glm::vec3(0.0f, 0.0f, 1.0f));
-  packet.far[lane] = -1.0f;
+/// All lanes at once; the same numbers from either version, for neither contracts nor reorders.
+[[gnu::target_clones("avx2", "default")]] void make_rays(const SampleLanes& samples,
+                                                         const AreaSampler& sampler, float offset,
+                                                         PointLanes& origins, RayPacket& rays) {
+  sampler.sample(samples.coordinate[2], samples.coordinate[3], origins);
+  DirectionLanes local;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const glm::vec3 direction = cosine_direction(samples.coordinate[0][lane], samples.coordinate[1][lane]);
+    local.x[lane] = direction.x, local.y[lane] = direction.y, local.z[lane] = direction.z;
+  }
+  if (sampler.flat()) {
+    const Frame frame = sampler.patch(0).frame;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) set_lane(frame, offset, origins, local, lane, rays);
+  } else {
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+      set_lane(sampler.patch(origins.patch[lane]).frame, offset, origins, local, lane, rays);
+  }
+  rays.near.fill(0.0f);
+  rays.far.fill(std::numeric_limits<float>::infinity());
+}
+
+[[gnu::target_clones("avx2", "default")]] void make_samples(const SobolPoints& points, std::uint32_t first,
+                                                            std::uint64_t key, SampleLanes& samples) {
+  points.scrambled(first, key, samples);
 }
 
 }  // namespace
@@ -24,17 +56,13 @@ void set_unused(RayPacket& packet, int lane) {
 void fill_packet(const Geometry& geometry, const RayCaster& caster, const Receiver& receiver,
                  const SobolPoints& points, std::uint64_t key, std::uint32_t first,
                  HemispherePacket& packet) {
-  for (int lane = 0; lane < kPacketSize; ++lane) {
-    packet.used[lane] = false;
-    set_unused(packet.rays, lane);
-    if (first + std::uint32_t(lane) >= points.count()) continue;
-    const SamplePoint s = points.scrambled(first + std::uint32_t(lane), key);
-    const SurfacePoint origin = receiver.sample(geometry, s[2], s[3]);
-    if (!receiver.owns(geometry, caster, origin)) continue;
-    packet.used[lane] = true;
-    packet.normals[lane] = origin.normal;
-    set_ray(packet.rays, lane, origin.position + origin.normal * geometry.offset,
-            frame_about(origin.normal).to_world(cosine_direction(s[0], s[1])));
+  SampleLanes samples;
+  make_samples(points, first, key, samples);
+  make_rays(samples, receiver.origins(), geometry.offset, packet.origins, packet.rays);
+  for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+    packet.used[lane] =
+        first + lane < points.count() && receiver.owns(geometry, caster, packet.origins, lane);
+    if (!packet.used[lane]) packet.rays.far[lane] = -1.0f;
   }
 }
 

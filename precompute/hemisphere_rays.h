@@ -18,11 +18,17 @@ namespace relume {
 /// receiver) have far < near.
 struct HemispherePacket {
   RayPacket rays;
-  std::array<glm::vec3, kPacketSize> normals;  ///< of the surface at each origin
+  PointLanes origins;  ///< on the surface, not lifted
   std::array<bool, kPacketSize> used;
+
+  /// Of the surface at the origin of a lane.
+  const glm::vec3& normal(const Receiver& receiver, int lane) const {
+    return receiver.origins().patch(origins.patch[std::size_t(lane)]).frame.normal;
+  }
 };
 
-/// Rays of points [first, first + kPacketSize) of the sequence that belongs to `key`.
+/// Rays of points [first, first + kPacketSize) of the sequence that belongs to `key`; `first` is a multiple
+/// of kPacketSize.
 void fill_packet(const Geometry& geometry, const RayCaster& caster, const Receiver& receiver,
                  const SobolPoints& points, std::uint64_t key, std::uint32_t first, HemispherePacket& packet);
 

@@ -85,14 +85,14 @@ std::vector<ClusteredSurface> make_surfaces(const Scene& scene, const Geometry& 
   return surfaces;
 }
 
-Emitters possible_emitters(const Scene& scene, const std::vector<Chart>& charts,
+Emitters possible_emitters(const Scene& scene, const Geometry& geometry, const std::vector<Chart>& charts,
                            const std::vector<ClusteredSurface>& surfaces) {
   std::vector<bool> materials, nodes;
   for (const SceneMaterial& m : scene.materials) {
     materials.push_back(!m.unlit && (m.emission.r > 0.0 || m.emission.g > 0.0 || m.emission.b > 0.0));
   }
   for (const SceneNode& n : scene.nodes) nodes.push_back(n.extras.emitter.value_or(false));
-  return find_emitters(charts, surfaces, materials, nodes);
+  return find_emitters(geometry, charts, surfaces, materials, nodes);
 }
 
 std::string options_json(const PrecomputeOptions& options, const PrecomputeReport& report,
@@ -131,7 +131,7 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
                 fmt::format("{}: every node says receiver \"none\"; nothing is left to receive light",
                             scene.file_name));
   auto surfaces = make_surfaces(scene, geometry, charts, *layouts, *caster, report);
-  const Emitters emitters = possible_emitters(scene, charts, surfaces);
+  const Emitters emitters = possible_emitters(scene, geometry, charts, surfaces);
   const SenderLookup lookup(geometry, charts, *layouts, surfaces, *caster);
   report.seconds_surfaces = seconds_since(start);
 

@@ -3,6 +3,7 @@
 
 #include <embree3/rtcore.h>
 
+#include <bit>
 #include <cstring>
 #include <limits>
 
@@ -16,20 +17,28 @@ struct HitContext {
   std::array<std::uint32_t, kPacketSize> triangle;
 };
 
+/// Bit l: lane l of a packet is valid. Nearly always there is one, anywhere.
+std::uint32_t valid_lanes(const int* valid) {
+  std::uint32_t lanes = 0;
+  for (int lane = 0; lane < kPacketSize; ++lane)
+    lanes |= (static_cast<std::uint32_t>(valid[lane]) & 1u) << lane;
+  return lanes;
+}
+
 /// Accepts a hit at the distance of the best one so far only from a lower triangle: the answer does not
 /// depend on the order in which the BVH is walked.
 void prefer_lowest_triangle(const RTCFilterFunctionNArguments* arguments) {
   auto* context = reinterpret_cast<HitContext*>(arguments->context);
-  for (unsigned lane = 0; lane < arguments->N; ++lane) {
-    if (arguments->valid[lane] == 0) continue;
-    const float distance = RTCRayN_tfar(arguments->ray, arguments->N, lane);
-    const unsigned triangle = RTCHitN_primID(arguments->hit, arguments->N, lane);
-    if (distance == context->distance[lane] && triangle > context->triangle[lane]) {
+  const float* distance = &RTCRayN_tfar(arguments->ray, kPacketSize, 0);
+  const unsigned* triangle = &RTCHitN_primID(arguments->hit, kPacketSize, 0);
+  for (std::uint32_t lanes = valid_lanes(arguments->valid); lanes != 0; lanes &= lanes - 1) {
+    const int lane = std::countr_zero(lanes);
+    if (distance[lane] == context->distance[lane] && triangle[lane] > context->triangle[lane]) {
       arguments->valid[lane] = 0;
       continue;
     }
-    context->distance[lane] = distance;
-    context->triangle[lane] = triangle;
+    context->distance[lane] = distance[lane];
+    context->triangle[lane] = triangle[lane];
   }
 }
 
@@ -70,6 +79,25 @@ std::string describe(RTCDevice device) {
          std::to_string(version % 100) + " " + instruction_set() + " robust";
 }
 
+/// Rays in Embree's layout; `valid` -1 or 0 per lane.
+void copy_rays(const RayPacket& packet, RTCRay8& rays, std::array<int, kPacketSize>& valid) {
+  static_assert(kPacketSize == 8);
+  std::memcpy(rays.org_x, packet.origin_x.data(), sizeof packet.origin_x);
+  std::memcpy(rays.org_y, packet.origin_y.data(), sizeof packet.origin_y);
+  std::memcpy(rays.org_z, packet.origin_z.data(), sizeof packet.origin_z);
+  std::memcpy(rays.tnear, packet.near.data(), sizeof packet.near);
+  std::memcpy(rays.dir_x, packet.direction_x.data(), sizeof packet.direction_x);
+  std::memcpy(rays.dir_y, packet.direction_y.data(), sizeof packet.direction_y);
+  std::memcpy(rays.dir_z, packet.direction_z.data(), sizeof packet.direction_z);
+  std::memcpy(rays.tfar, packet.far.data(), sizeof packet.far);
+  for (int lane = 0; lane < kPacketSize; ++lane) {
+    valid[lane] = packet.far[lane] >= packet.near[lane] ? -1 : 0;
+    rays.time[lane] = 0.0f;
+    rays.mask[lane] = ~0u;
+    rays.flags[lane] = 0;
+  }
+}
+
 }  // namespace
 
 struct RayCaster::Scene {
@@ -108,26 +136,14 @@ Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
 }
 
 void RayCaster::closest_hits(RayPacket& packet) const {
-  static_assert(kPacketSize == 8);
   HitContext context;
   rtcInitIntersectContext(&context.base);
   context.distance.fill(std::numeric_limits<float>::infinity());
   context.triangle.fill(kNoTriangle);
   RTCRayHit8 rays;
   alignas(32) std::array<int, kPacketSize> valid;
-  std::memcpy(rays.ray.org_x, packet.origin_x.data(), sizeof packet.origin_x);
-  std::memcpy(rays.ray.org_y, packet.origin_y.data(), sizeof packet.origin_y);
-  std::memcpy(rays.ray.org_z, packet.origin_z.data(), sizeof packet.origin_z);
-  std::memcpy(rays.ray.tnear, packet.near.data(), sizeof packet.near);
-  std::memcpy(rays.ray.dir_x, packet.direction_x.data(), sizeof packet.direction_x);
-  std::memcpy(rays.ray.dir_y, packet.direction_y.data(), sizeof packet.direction_y);
-  std::memcpy(rays.ray.dir_z, packet.direction_z.data(), sizeof packet.direction_z);
-  std::memcpy(rays.ray.tfar, packet.far.data(), sizeof packet.far);
+  copy_rays(packet, rays.ray, valid);
   for (int lane = 0; lane < kPacketSize; ++lane) {
-    valid[lane] = packet.far[lane] >= packet.near[lane] ? -1 : 0;
-    rays.ray.time[lane] = 0.0f;
-    rays.ray.mask[lane] = ~0u;
-    rays.ray.flags[lane] = 0;
     rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
     rays.hit.primID[lane] = kNoTriangle;
   }
@@ -136,6 +152,20 @@ void RayCaster::closest_hits(RayPacket& packet) const {
   std::memcpy(packet.u.data(), rays.hit.u, sizeof packet.u);
   std::memcpy(packet.v.data(), rays.hit.v, sizeof packet.v);
   std::memcpy(packet.triangle.data(), rays.hit.primID, sizeof packet.triangle);
+}
+
+std::uint32_t RayCaster::occluded(const RayPacket& packet) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRay8 rays;
+  alignas(32) std::array<int, kPacketSize> valid;
+  copy_rays(packet, rays, valid);
+  rtcOccluded8(valid.data(), scene_->scene.get(), &context, &rays);
+  std::uint32_t lanes = 0;
+  for (int lane = 0; lane < kPacketSize; ++lane) {
+    if (valid[lane] != 0 && rays.tfar[lane] < 0.0f) lanes |= 1u << lane;
+  }
+  return lanes;
 }
 
 bool RayCaster::occluded(const glm::vec3& a, const glm::vec3& b) const {

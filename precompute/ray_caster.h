@@ -46,6 +46,9 @@ class RayCaster {
   /// them. Thread-safe.
   void closest_hits(RayPacket& packet) const;
 
+  /// Bit l: whether lane l meets anything between near and far. Distances as in closest_hits. Thread-safe.
+  std::uint32_t occluded(const RayPacket& packet) const;
+
   /// Whether anything lies between a and b, both of them included. Thread-safe.
   bool occluded(const glm::vec3& a, const glm::vec3& b) const;
 

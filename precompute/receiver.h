@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
+#include "precompute/area_sampler.h"
 #include "precompute/elements.h"
 #include "precompute/geometry.h"
 #include "precompute/mutual_visibility.h"
@@ -15,16 +15,23 @@ namespace relume {
 /// Where the rays of one row start: spread by area over the pieces of an element, or at one point.
 class Receiver {
  public:
-  /// Origins of an element that walls run through or beside are those that its middle sees.
-  static Receiver element(const SystemSurface& surface, const Element& element, Side side);
+  /// Origins lie inside the border of the element by as much as rays are lifted: one in the edge of a room
+  /// would start behind the other wall. Those of an element that walls run through or beside are what its
+  /// middle sees.
+  static Receiver element(const Geometry& geometry, const RayCaster& caster, const SystemSurface& surface,
+                          const Element& element, Side side);
   static Receiver point(const SurfacePoint& at);
 
-  /// Origin (on the surface, not lifted) and normal for u, v in [0, 1).
-  SurfacePoint sample(const Geometry& geometry, float u, float v) const;
+  /// Where origins are drawn from; on the surface, not lifted.
+  const AreaSampler& origins() const { return origins_; }
 
   /// Whether an origin belongs to this receiver.
-  bool owns(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& origin) const {
-    return !guarded_ || mutually_visible(geometry, caster, middle_, origin);
+  bool owns(const Geometry& geometry, const RayCaster& caster, const PointLanes& origins,
+            std::size_t lane) const {
+    if (open_.empty() || open_[origins.patch[lane]]) return true;
+    const glm::vec3 position(origins.x[lane], origins.y[lane], origins.z[lane]);
+    return mutually_visible(geometry, caster, middle_,
+                            {position, origins_.patch(origins.patch[lane]).frame.normal});
   }
 
   const SurfacePoint& middle() const { return middle_; }
@@ -36,10 +43,8 @@ class Receiver {
  private:
   SurfacePoint middle_;
   float radius_ = 0.0f;
-  bool guarded_ = false;
-  Side side_ = Side::front;
-  std::span<const Piece> pieces_;
-  std::vector<float> cumulative_area_;
+  AreaSampler origins_;
+  std::vector<bool> open_;  ///< per patch: the middle sees its corners, so no wall cuts it; empty: all
 };
 
 }  // namespace relume

@@ -6,12 +6,14 @@
 #include <cstdint>
 #include <vector>
 
+#include "precompute/emitter_connections.h"
 #include "precompute/emitters.h"
 #include "precompute/geometry.h"
 #include "precompute/ray_caster.h"
 #include "precompute/receiver.h"
 #include "precompute/sampling.h"
 #include "precompute/sender_lookup.h"
+#include "precompute/sender_set.h"
 
 namespace relume {
 
@@ -52,7 +54,7 @@ class RowTracer {
 
  private:
   struct Totals {
-    std::uint32_t traced = 0, arrived = 0, back_faces = 0;
+    std::uint32_t traced = 0, arrived = 0, arrived_at_emitters = 0, back_faces = 0;
   };
   Totals trace_hemisphere(const Receiver& receiver, const SobolPoints& points, std::uint64_t key);
   void count_hit(const RayPacket& packet, int lane, const glm::vec3& normal, std::uint32_t ray_count,
@@ -61,15 +63,15 @@ class RowTracer {
                        std::uint32_t ray_count);
   void sample_emitters(const Receiver& receiver, std::uint32_t ray_count, std::uint32_t traced,
                        std::uint64_t key);
-  double area_sample(const Emitter& emitter, std::uint32_t samples, std::uint32_t ray_count,
-                     const SurfacePoint& origin, const SurfacePoint& target);
+  double mean_area_sample(const Receiver& receiver, const Emitter& emitter, const SampleCounts& counts,
+                          std::uint64_t key);
   FormFactorRow finish_row(const Totals& totals);
 
   const RowScene& scene_;
   SobolPoints emitter_points_;
   std::vector<std::uint32_t>
-      counts_;  ///< per sender: rays that arrived, except those counted in emitter_sums_
-  std::vector<std::uint32_t> touched_;   ///< senders with a count
+      counts_;         ///< per sender: rays that arrived, except those counted in emitter_sums_
+  SenderSet touched_;  ///< senders with a count
   std::vector<std::uint32_t> allotted_;  ///< per emitter: area samples
   std::vector<double> emitter_sums_;     ///< per emitter: form factor
   std::uint64_t rays_ = 0;

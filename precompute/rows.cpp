@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "precompute/progress.h"
+#include "precompute/sender_set.h"
 
 namespace relume {
 namespace {
@@ -15,31 +16,28 @@ namespace {
 /// Area-weighted mean of rows, gathered densely.
 class RowMean {
  public:
-  explicit RowMean(std::size_t senders) : sums_(senders, 0.0) {}
+  explicit RowMean(std::size_t senders) : sums_(senders, 0.0), touched_(senders) {}
   void add(const FormFactorRow& row, double weight) {
     weight_ += weight;
     for (std::size_t i = 0; i < row.senders.size(); ++i) {
-      double& sum = sums_[row.senders[i]];
-      if (sum == 0.0) touched_.push_back(row.senders[i]);
-      sum += weight * double(row.values[i]);
+      sums_[row.senders[i]] += weight * double(row.values[i]);
+      touched_.insert(row.senders[i]);
     }
   }
   FormFactorRow finish() {
-    std::sort(touched_.begin(), touched_.end());
     FormFactorRow row;
-    for (const auto sender : touched_) {
+    touched_.drain([&](std::uint32_t sender) {
       row.senders.push_back(sender);
       row.values.push_back(float(sums_[sender] / weight_));
       sums_[sender] = 0.0;
-    }
-    touched_.clear();
+    });
     weight_ = 0.0;
     return row;
   }
 
  private:
   std::vector<double> sums_;
-  std::vector<std::uint32_t> touched_;
+  SenderSet touched_;
   double weight_ = 0.0;
 };
 
@@ -59,15 +57,16 @@ void add_counts(const Workers& workers, RowCounts& counts) {
 }
 
 /// Row of one cluster, and those of its elements.
-void trace_cluster(const std::vector<Chart>& charts, const ClusteredSurface& system,
+void trace_cluster(const RowScene& scene, const std::vector<Chart>& charts, const ClusteredSurface& system,
                    std::span<const std::uint32_t> members, const std::vector<bool>& own_element,
                    const SobolPoints& points, Worker& worker, FormFactorRow& cluster_row, SystemRows& rows) {
   std::vector<TracedRow> traced;
   bool any_valid = false;
   for (const auto e : members) {
     const Element& element = system.surface.elements[e];
-    traced.push_back(
-        worker.tracer.trace(Receiver::element(system.surface, element, charts[element.chart].side), points));
+    traced.push_back(worker.tracer.trace(
+        Receiver::element(scene.geometry, scene.caster, system.surface, element, charts[element.chart].side),
+        points));
     rows.element_back_face_share[e] = traced.back().back_face_share;
     any_valid = any_valid || traced.back().back_face_share <= kInvalidShare;
   }
@@ -104,7 +103,8 @@ Result<SystemRows> trace_system(const RowScene& scene, const std::vector<Chart>&
   Progress progress(observer, "rays", system.cluster_count);
   tbb::parallel_for(std::uint32_t{0}, system.cluster_count, [&](std::uint32_t c) {
     if (progress.cancelled()) return;
-    trace_cluster(charts, system, members[c], own_element, points, workers.local(), rows.clusters[c], rows);
+    trace_cluster(scene, charts, system, members[c], own_element, points, workers.local(), rows.clusters[c],
+                  rows);
     progress.one_done();
   });
   if (progress.cancelled()) return fail(ErrorCode::cancelled, "stopped while tracing rays");

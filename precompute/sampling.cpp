@@ -4,13 +4,6 @@
 namespace relume {
 namespace {
 
-constexpr std::uint32_t reverse_bits(std::uint32_t x) {
-  x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
-  x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
-  x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
-  return __builtin_bswap32(x);
-}
-
 /// Primitive polynomial and first direction integers of a Sobol dimension (Joe and Kuo's table).
 struct Dimension {
   std::uint32_t degree;
@@ -52,63 +45,21 @@ constexpr std::uint32_t sobol(std::uint32_t index, int dimension) {
   return result;
 }
 
-/// Permutes each bit by those below it: on reversed bits, an Owen scramble.
-constexpr std::uint32_t laine_karras(std::uint32_t x, std::uint32_t seed) {
-  x ^= x * 0x3d20adeau;
-  x += seed;
-  x *= (seed >> 16) | 1u;
-  x ^= x * 0x05526c56u;
-  x ^= x * 0x53a22864u;
-  return x;
-}
-
-/// sin and cos on [-pi/4, pi/4], Taylor to 1e-7.
-float small_sin(float x) {
-  const float y = x * x;
-  return x *
-         (1.0f + y * (-1.0f / 6.0f + y * (1.0f / 120.0f + y * (-1.0f / 5040.0f + y * (1.0f / 362880.0f)))));
-}
-float small_cos(float x) {
-  const float y = x * x;
-  return 1.0f + y * (-0.5f + y * (1.0f / 24.0f + y * (-1.0f / 720.0f + y * (1.0f / 40320.0f))));
-}
-
 }  // namespace
 
-SobolPoints::SobolPoints(std::uint32_t count) : reversed_(count) {
-  for (std::uint32_t index = 0; index < count; ++index) {
-    for (int d = 0; d < 4; ++d) reversed_[index][std::size_t(d)] = reverse_bits(sobol(index, d));
+SobolPoints::SobolPoints(std::uint32_t count) : count_(count) {
+  const std::size_t padded = (std::size_t{count} + kLanes - 1) / kLanes * kLanes;
+  for (int d = 0; d < 4; ++d) {
+    for (std::uint32_t index = 0; index < padded; ++index)
+      reversed_[std::size_t(d)].push_back(reverse_bits(sobol(index, d)));
   }
 }
 
 SamplePoint SobolPoints::scrambled(std::uint32_t index, std::uint64_t seed) const {
   SamplePoint point;
-  for (std::uint32_t d = 0; d < 4; ++d) {
-    const auto key = static_cast<std::uint32_t>((seed ^ (0xd1342543de82ef95ull * (d + 1))) >> 32) ^
-                     static_cast<std::uint32_t>(seed * (2 * d + 1));
-    const std::uint32_t bits = reverse_bits(laine_karras(reversed_[index][d], key));
-    point[d] = static_cast<float>(bits >> 8) * 0x1p-24f;
-  }
+  for (std::size_t d = 0; d < 4; ++d)
+    point[d] = to_unit(reverse_bits(laine_karras(reversed_[d][index], scramble_key(d, seed))));
   return point;
-}
-
-glm::vec3 cosine_direction(float u, float v) {
-  constexpr float kQuarterPi = 0.785398163f;
-  const float a = 2.0f * u - 1.0f;
-  const float b = 2.0f * v - 1.0f;
-  float x = 0.0f, y = 0.0f, radius2 = 0.0f;
-  if (std::abs(a) > std::abs(b)) {
-    const float angle = kQuarterPi * (b / a);
-    x = a * small_cos(angle);
-    y = a * small_sin(angle);
-    radius2 = a * a;
-  } else if (b != 0.0f) {
-    const float angle = kQuarterPi * (a / b);
-    x = b * small_sin(angle);
-    y = b * small_cos(angle);
-    radius2 = b * b;
-  }
-  return {x, y, std::sqrt(std::max(0.0f, 1.0f - radius2))};
 }
 
 Frame frame_about(const glm::vec3& n) {

@@ -1,24 +1,23 @@
 // SPDX-License-Identifier: MIT
 #include "precompute/sender_lookup.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 namespace relume {
 namespace {
 
-constexpr std::uint32_t kSearch = 0x80000000u;
-
-/// Entry of one cell: its cluster where all of its elements agree and no wall is near.
-std::uint32_t entry_of_cell(const ClusteredSurface& system, std::uint32_t cell) {
+/// Whether all elements of a cell are of one cluster, and no wall is near.
+bool simple(const ClusteredSurface& system, std::uint32_t cell) {
   const auto first = system.surface.first_element[cell], last = system.surface.first_element[cell + 1];
-  if (first == last) return kNone;
   for (auto e = first; e < last; ++e) {
-    if (system.surface.elements[e].walled || system.cluster[e] != system.cluster[first])
-      return kSearch | cell;
+    if (system.surface.elements[e].walled || system.cluster[e] != system.cluster[first]) return false;
   }
-  return system.first_cluster + system.cluster[first];
+  return true;
 }
 
 /// Cells without surface take a neighbour's entry: hits on a border may round into them. Charts stand two
@@ -37,45 +36,94 @@ void dilate(std::vector<std::uint32_t>& entries, std::uint32_t width, std::uint3
   }
 }
 
+/// Corners are looked at this share of the way to the middle of their piece: one that lies in the edge of a
+/// wall would see nothing.
+constexpr float kCornerInset = 0.01f;
+
 }  // namespace
 
 SenderLookup::SenderLookup(const Geometry& geometry, const std::vector<Chart>& charts,
                            const std::vector<SystemLayout>& layouts,
                            const std::vector<ClusteredSurface>& surfaces, const RayCaster& caster)
-    : geometry_(geometry), surfaces_(surfaces), caster_(caster), front_(geometry.triangles.size()) {
+    : geometry_(geometry),
+      charts_(charts),
+      surfaces_(surfaces),
+      caster_(caster),
+      front_(geometry.triangles.size()) {
+  for (std::size_t t = 0; t < front_.size(); ++t) front_[t].normal = geometry.normals[t];
   const bool any_back =
       std::any_of(charts.begin(), charts.end(), [](const Chart& c) { return c.side == Side::back; });
   if (any_back) back_.resize(geometry.triangles.size());
   for (std::uint32_t s = 0; s < layouts.size(); ++s) {
     for (std::size_t i = 0; i < layouts[s].charts.size(); ++i)
       map_chart(charts[layouts[s].charts[i]], layouts[s].positions[i], s);
-    Grid grid{layouts[s].width, layouts[s].height,
-              std::vector<std::uint32_t>(std::size_t(layouts[s].width) * layouts[s].height)};
-    for (std::uint32_t cell = 0; cell < grid.entry.size(); ++cell)
-      grid.entry[cell] = entry_of_cell(surfaces[s], cell);
+    Grid grid{layouts[s].width, layouts[s].height, {}, {}};
+    grid.entry.assign(std::size_t(grid.width) * grid.height, kNone);
+    for (std::uint32_t cell = 0; cell < grid.entry.size(); ++cell) {
+      const std::uint32_t first = surfaces[s].surface.first_element[cell];
+      if (first == surfaces[s].surface.first_element[cell + 1]) continue;
+      grid.entry[cell] = simple(surfaces[s], cell) ? surfaces[s].first_cluster + surfaces[s].cluster[first]
+                                                   : kSearch | kNoFineCell;
+    }
     dilate(grid.entry, grid.width, grid.height);
     grids_.push_back(std::move(grid));
+    fill_fine_cells(s);
   }
 }
 
+void SenderLookup::fill_fine_cells(std::uint32_t system) {
+  Grid& grid = grids_[system];
+  const std::vector<std::uint32_t>& first = surfaces_[system].surface.first_element;
+  std::vector<std::uint32_t> cells;
+  for (std::uint32_t cell = 0; cell < grid.entry.size(); ++cell) {
+    if (grid.entry[cell] == (kSearch | kNoFineCell) && first[cell] < first[cell + 1]) cells.push_back(cell);
+  }
+  grid.fine.resize(cells.size());
+  tbb::parallel_for(std::size_t{0}, cells.size(),
+                    [&](std::size_t i) { fill_fine_cell(system, cells[i], grid.fine[i]); });
+  for (std::uint32_t i = 0; i < cells.size(); ++i) grid.entry[cells[i]] = kSearch | i;
+}
+
+/// A sub-cell is known when the corners of all pieces in it find one cluster: then no wall cuts it.
+void SenderLookup::fill_fine_cell(std::uint32_t system, std::uint32_t cell, FineCell& fine) const {
+  const ClusteredSurface& own = surfaces_[system];
+  fine.fill(kNone);
+  for (auto e = own.surface.first_element[cell]; e < own.surface.first_element[cell + 1]; ++e) {
+    const Element& element = own.surface.elements[e];
+    const Side side = charts_[element.chart].side;
+    for (std::uint32_t p = 0; p < element.piece_count; ++p) {
+      const SurfacePiece& shape = own.surface.pieces[element.first_piece + p].shape;
+      const glm::vec2 middle = (shape.corners[0] + shape.corners[1] + shape.corners[2]) / 3.0f;
+      const Face& face = side == Side::front ? front_[shape.triangle] : back_[shape.triangle];
+      std::uint32_t& known = fine[subcell(locate(face, grids_[system], middle.x, middle.y))];
+      for (const glm::vec2& corner : shape.corners) {
+        const glm::vec2 at = glm::mix(corner, middle, kCornerInset);
+        const std::uint32_t found = search({shape.triangle, at.x, at.y, side}, system, cell);
+        known = known == kNone || known == found ? found : kSearch;
+        if (known == kNone) known = kSearch;
+      }
+    }
+  }
+  std::replace(fine.begin(), fine.end(), kNone, kSearch);
+}
+
 void SenderLookup::map_chart(const Chart& chart, const glm::uvec2& position, std::uint32_t system) {
-  auto& mappings = chart.side == Side::front ? front_ : back_;
+  auto& faces = chart.side == Side::front ? front_ : back_;
   for (std::size_t i = 0; i < chart.triangles.size(); ++i) {
+    const std::uint32_t t = chart.triangles[i];
     const auto& c = chart.corners[i];
-    mappings[chart.triangles[i]] = {c[0] + glm::vec2(position), c[1] - c[0], c[2] - c[0], system};
+    faces[t] = {geometry_.normals[t], c[0] + glm::vec2(position), c[1] - c[0], c[2] - c[0], system};
   }
 }
 
 std::uint32_t SenderLookup::sender(const SurfaceHit& hit) const {
-  const Mapping& mapping = hit.side == Side::front ? front_[hit.triangle] : back_[hit.triangle];
-  if (mapping.system == kNone) return kNone;
-  const Grid& grid = grids_[mapping.system];
-  const glm::vec2 at = mapping.base + mapping.du * hit.u + mapping.dv * hit.v;
-  const auto x = std::min(std::uint32_t(std::max(at.x, 0.0f)), grid.width - 1);
-  const auto y = std::min(std::uint32_t(std::max(at.y, 0.0f)), grid.height - 1);
-  const std::uint32_t entry = grid.entry[std::size_t(y) * grid.width + x];
-  if (entry == kNone || (entry & kSearch) == 0) return entry;
-  return search(hit, mapping.system, entry & ~kSearch);
+  return sender_on(hit.side == Side::front ? front_[hit.triangle] : back_[hit.triangle], hit);
+}
+
+std::uint32_t SenderLookup::seen_from_behind(std::uint32_t triangle, float u, float v,
+                                             const glm::vec3& direction) const {
+  const auto hit = seen_surface(geometry_, {triangle, u, v, Side::back}, direction);
+  return hit ? sender(*hit) : kBlackBack;
 }
 
 std::uint32_t SenderLookup::search(const SurfaceHit& hit, std::uint32_t system, std::uint32_t cell) const {

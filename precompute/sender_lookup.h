@@ -3,7 +3,10 @@
 // Which sender a ray has hit.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -24,9 +27,9 @@ struct ClusteredSurface {
   std::uint32_t first_cluster = 0;  ///< numbered through over all systems
 };
 
-/// Maps hits to clusters, numbered through over all systems. Most hits cost one look into the grid of lumels;
-/// where a wall runs through or beside the lumel, the element is found that the hit point sees, so that no
-/// light passes under a wall. Thread-safe.
+/// Maps hits to clusters, numbered through over all systems. Most hits cost one look into the grid of lumels,
+/// or into one four times as fine where a wall runs through or beside the lumel; where a wall cuts a cell of
+/// that too, the element is found that the hit point sees, so that no light passes under a wall. Thread-safe.
 class SenderLookup {
  public:
   /// Borrows everything; all must outlive it.
@@ -38,23 +41,69 @@ class SenderLookup {
   /// neighbourhood sees.
   std::uint32_t sender(const SurfaceHit& hit) const;
 
+  /// Instead of a cluster: the back of a single-sided surface, opaque and black.
+  static constexpr std::uint32_t kBlackBack = kNone - 1;
+
+  /// The same for what a ray travelling along `direction` sees where it met a triangle (seen_surface), or
+  /// kBlackBack.
+  std::uint32_t seen(std::uint32_t triangle, float u, float v, const glm::vec3& direction) const {
+    const Face& face = front_[triangle];
+    const bool from_front = glm::dot(face.normal, direction) < 0.0f;
+    return from_front ? sender_on(face, {triangle, u, v, Side::front})
+                      : seen_from_behind(triangle, u, v, direction);
+  }
+
  private:
-  /// Lightmap coordinates over a triangle: base + u du + v dv.
-  struct Mapping {
+  /// All that a hit asks of one side of a triangle. Lightmap coordinates over it: base + u du + v dv.
+  struct Face {
+    glm::vec3 normal{0.0f};  ///< of the front
     glm::vec2 base{0.0f}, du{0.0f}, dv{0.0f};
     std::uint32_t system = kNone;
   };
+  static constexpr std::uint32_t kSearch = 0x80000000u;
+  static constexpr std::uint32_t kNoFineCell = kSearch - 2;  ///< kSearch | kNoFineCell is not kNone
+  /// One entry per sub-cell (kSubcells^2) of a cell: its cluster, or kSearch.
+  using FineCell = std::array<std::uint32_t, kSubcells * kSubcells>;
   struct Grid {
     std::uint32_t width = 0, height = 0;
-    std::vector<std::uint32_t> entry;  ///< cluster, kNone, or kSearch | cell to search from
+    std::vector<std::uint32_t> entry;  ///< cluster, kNone, or kSearch | index into `fine` or kNoFineCell
+    std::vector<FineCell> fine;
+  };
+  struct GridPoint {
+    std::uint32_t x, y;
+    float in_x, in_y;  ///< within the cell, in [0, 1]
   };
   void map_chart(const Chart& chart, const glm::uvec2& position, std::uint32_t system);
+  static GridPoint locate(const Face& face, const Grid& grid, float u, float v) {
+    const glm::vec2 at = face.base + face.du * u + face.dv * v;
+    const auto x = std::min(std::uint32_t(std::max(at.x, 0.0f)), grid.width - 1);
+    const auto y = std::min(std::uint32_t(std::max(at.y, 0.0f)), grid.height - 1);
+    return {x, y, at.x - float(x), at.y - float(y)};
+  }
+  static std::size_t subcell(const GridPoint& at) {
+    const auto index = [](float t) { return std::clamp(int(t * float(kSubcells)), 0, kSubcells - 1); };
+    return std::size_t(index(at.in_y) * kSubcells + index(at.in_x));
+  }
+  std::uint32_t sender_on(const Face& face, const SurfaceHit& hit) const {
+    if (face.system == kNone) return kNone;
+    const Grid& grid = grids_[face.system];
+    const GridPoint at = locate(face, grid, hit.u, hit.v);
+    const std::uint32_t entry = grid.entry[std::size_t(at.y) * grid.width + at.x];
+    if (entry == kNone || (entry & kSearch) == 0) return entry;
+    const std::uint32_t fine = entry & ~kSearch;
+    const std::uint32_t known = fine == kNoFineCell ? kSearch : grid.fine[fine][subcell(at)];
+    return known != kSearch ? known : search(hit, face.system, at.y * grid.width + at.x);
+  }
+  void fill_fine_cells(std::uint32_t system);
+  void fill_fine_cell(std::uint32_t system, std::uint32_t cell, FineCell& fine) const;
+  std::uint32_t seen_from_behind(std::uint32_t triangle, float u, float v, const glm::vec3& direction) const;
   std::uint32_t search(const SurfaceHit& hit, std::uint32_t system, std::uint32_t cell) const;
 
   const Geometry& geometry_;
+  const std::vector<Chart>& charts_;
   const std::vector<ClusteredSurface>& surfaces_;
   const RayCaster& caster_;
-  std::vector<Mapping> front_, back_;
+  std::vector<Face> front_, back_;
   std::vector<Grid> grids_;
 };
 

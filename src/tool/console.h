@@ -18,8 +18,6 @@ struct ConsoleMode {
   bool quiet = false;  ///< no summary, warnings or progress
 };
 
-/// The longest that two updates of the progress line stand apart, and the shortest stage that shows one, are
-/// a matter of taste: 0.1 s.
 class Console {
  public:
   explicit Console(ConsoleMode mode);

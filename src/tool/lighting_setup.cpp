@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <glm/common.hpp>
 
 #include "precompute/direct_irradiance.h"
@@ -43,9 +42,9 @@ class Setup {
  private:
   void clamp_albedo() {
     if (!options_.scene && max_albedo_ > model_.max_albedo) {
-      console_.warn(
-          fmt::format("--max-albedo {} has no effect without --scene: the stored albedos were clamped to {}.",
-                      max_albedo_, model_.max_albedo));
+      console_.warn(fmt::format(
+          "--max-albedo {} does not raise the stored albedos, which were clamped to {}: --scene does.",
+          max_albedo_, model_.max_albedo));
     }
     for (Rgb& albedo : setup_.lighting.albedo) albedo = glm::min(albedo, Rgb(max_albedo_));
   }
@@ -82,11 +81,10 @@ class Setup {
     for (const MaterialOverride& entry : *overrides) {
       const MaterialRecord& material = model_.materials[entry.material];
       if (entry.emission.value_or(Rgb(0.0)) == Rgb(0.0) || material.possible_emitter) continue;
-      console_.warn(
-          fmt::format("Material '{}' emits now but was not a possible emitter in the precompute: light from "
-                      "it is noisier "
-                      "(extras.relume.emitter on its node prepares it).",
-                      material.name));
+      console_.warn(fmt::format(
+          "Material '{}' emits now but was no possible emitter in the precompute: its light is noisier "
+          "(extras.relume.emitter on its node prepares it).",
+          material.name));
     }
     return {};
   }
@@ -116,6 +114,10 @@ class Setup {
     } else if (model_.lit_by_rig && !replaced_lights_) {
       setup_.lights.clear();
     }
+    const Rgb* constant = std::get_if<Rgb>(&setup_.sky);
+    if (setup_.lights.empty() && !emits && constant && *constant == Rgb(0.0)) {
+      console_.warn("Nothing shines: the result is black.");
+    }
   }
 
   void warn_clamped(std::uint32_t materials) {
@@ -124,13 +126,11 @@ class Setup {
   }
 
   Result<LightingSetup> finish() {
-    const auto start = std::chrono::steady_clock::now();
     Result<DirectIrradiance> direct = direct_irradiance(model_, setup_.lights);
     if (!direct) return tl::unexpected(direct.error());
     setup_.lighting.direct = std::move(direct->clusters);
     setup_.gather_direct = std::move(direct->gather);
     setup_.lighting.sky_radiosity = sky_radiosity(setup_.sky, model_.sky_cells, model_.sky_resolution);
-    setup_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (const Result<void> sound = check_lighting(model_, setup_.lighting); !sound)
       return tl::unexpected(sound.error());
     return std::move(setup_);

@@ -31,7 +31,6 @@ struct LightingSetup {
   std::vector<Light> lights;
   Sky sky = Rgb(0.0);
   bool lit_by_rig = false;
-  double seconds = 0.0;  ///< of direct irradiance
 };
 
 /// Parses "R,G,B"; nothing when the text is anything else.

@@ -11,6 +11,13 @@ namespace {
 /// Backs that a ray may pass before it is taken to meet nothing.
 constexpr int kMostBacks = 64;
 
+void disable(RayPacket& packet, int lane) {
+  packet.near[lane] = 1.0f;
+  packet.far[lane] = 0.0f;
+}
+
+}  // namespace
+
 RayPacket packet_of(const ViewRays& rays) {
   RayPacket packet;
   for (int lane = 0; lane < kPacketSize; ++lane) {
@@ -25,13 +32,6 @@ RayPacket packet_of(const ViewRays& rays) {
   }
   return packet;
 }
-
-void disable(RayPacket& packet, int lane) {
-  packet.near[lane] = 1.0f;
-  packet.far[lane] = 0.0f;
-}
-
-}  // namespace
 
 ViewHits trace(const Model& model, const RayCaster& caster, const ViewRays& rays) {
   ViewHits hits;

@@ -28,6 +28,9 @@ struct ViewHit {
 using ViewRays = std::array<ViewRay, kPacketSize>;
 using ViewHits = std::array<ViewHit, kPacketSize>;
 
+/// Rays without end, for RayCaster.
+RayPacket packet_of(const ViewRays& rays);
+
 /// The first surface that is drawn along each ray.
 ViewHits trace(const Model& model, const RayCaster& caster, const ViewRays& rays);
 

@@ -119,9 +119,6 @@ TEST(SurfaceFactors, RefusesWhatItCannotMeasure) {
   const auto nothing = surface_factors(Scene{}, FactorGrouping::node, 100);
   ASSERT_FALSE(nothing);
   EXPECT_EQ(nothing.error().code, ErrorCode::bad_input);
-  const auto no_rays = surface_factors(unit_cube(), FactorGrouping::node, 0);
-  ASSERT_FALSE(no_rays);
-  EXPECT_EQ(no_rays.error().code, ErrorCode::usage);
   const auto stopped = surface_factors(unit_cube(), FactorGrouping::node, 1024, 0, 0,
                                        [](std::string_view, double) { return false; });
   ASSERT_FALSE(stopped);

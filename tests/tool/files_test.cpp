@@ -20,41 +20,6 @@ using testing::HasSubstr;
 
 constexpr double kPiValue = 3.14159265358979323846;
 
-/// A precomputed scene in a folder of its own.
-struct Precomputed {
-  std::filesystem::path folder;
-  std::string scene;
-  std::string file;
-};
-
-Precomputed precomputed(const std::string& name, const std::vector<std::string>& options = {},
-                        const std::string& sensors = "") {
-  Precomputed result;
-  result.folder = fresh_folder();
-  result.scene = make_scene(name, result.folder);
-  result.file = result.folder / (name + ".relume");
-  std::vector<std::string> command{"precompute", result.scene, "-o",     result.file,
-                                   "--quality",  "64",         "--quiet"};
-  command.insert(command.end(), options.begin(), options.end());
-  if (!sensors.empty()) {
-    write_text(result.folder / "sensors.csv", sensors);
-    command.insert(command.end(), {"--sensors", result.folder / "sensors.csv"});
-  }
-  const Finished finished = run_relume(command);
-  EXPECT_EQ(finished.status, 0) << finished.err;
-  EXPECT_EQ(finished.out, "");
-  return result;
-}
-
-const std::vector<std::string> kCoarse{"--texel-size", "0.1", "--cluster-size", "0.25"};
-
-nlohmann::json solve_json(const Precomputed& input, const std::vector<std::string>& options = {}) {
-  std::vector<std::string> command{"solve",    input.file, "-o", input.folder / "result",
-                                   "--device", "reference"};
-  command.insert(command.end(), options.begin(), options.end());
-  return relume_json(command);
-}
-
 double number(const std::map<std::string, std::string>& row, const std::string& column) {
   return std::stod(row.at(column));
 }

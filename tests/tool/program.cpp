@@ -103,6 +103,32 @@ std::string make_scene(const std::string& name, const std::filesystem::path& fol
   return file;
 }
 
+Precomputed precomputed(const std::string& name, const std::vector<std::string>& options,
+                        const std::string& sensors) {
+  Precomputed result;
+  result.folder = fresh_folder();
+  result.scene = make_scene(name, result.folder);
+  result.file = result.folder / (name + ".relume");
+  std::vector<std::string> command{"precompute", result.scene, "-o",     result.file,
+                                   "--quality",  "64",         "--quiet"};
+  command.insert(command.end(), options.begin(), options.end());
+  if (!sensors.empty()) {
+    write_text(result.folder / "sensors.csv", sensors);
+    command.insert(command.end(), {"--sensors", result.folder / "sensors.csv"});
+  }
+  const Finished finished = run_relume(command);
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  EXPECT_EQ(finished.out, "");
+  return result;
+}
+
+nlohmann::json solve_json(const Precomputed& input, const std::vector<std::string>& options) {
+  std::vector<std::string> command{"solve",    input.file, "-o", input.folder / "result",
+                                   "--device", "reference"};
+  command.insert(command.end(), options.begin(), options.end());
+  return relume_json(command);
+}
+
 void write_text(const std::filesystem::path& file, const std::string& text) {
   std::ofstream(file, std::ios::binary) << text;
 }

@@ -35,6 +35,24 @@ std::filesystem::path fresh_folder();
 /// `relume-make-scene NAME` into `folder`; the path of the .glb.
 std::string make_scene(const std::string& name, const std::filesystem::path& folder);
 
+/// A precomputed scene in a folder of its own.
+struct Precomputed {
+  std::filesystem::path folder;
+  std::string scene;
+  std::string file;
+};
+
+/// `relume precompute` of a generated scene at 64 rays a lumel, with more options and, if given, the text of
+/// a CSV of sensors.
+Precomputed precomputed(const std::string& name, const std::vector<std::string>& options = {},
+                        const std::string& sensors = "");
+
+/// Options for a box of 1 m.
+inline const std::vector<std::string> kCoarse{"--texel-size", "0.1", "--cluster-size", "0.25"};
+
+/// `relume solve` by the reference into `result` of the folder; its JSON object.
+nlohmann::json solve_json(const Precomputed& input, const std::vector<std::string>& options = {});
+
 void write_text(const std::filesystem::path& file, const std::string& text);
 std::string read_text(const std::filesystem::path& file);
 
