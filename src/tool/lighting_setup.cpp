@@ -29,6 +29,7 @@ class Setup {
   Result<LightingSetup> build() {
     setup_.lighting = stored_lighting(model_);
     setup_.lights = model_.lights;
+    setup_.max_albedo = max_albedo_;
     clamp_albedo();
     for (const auto step :
          {&Setup::take_scene, &Setup::take_lights, &Setup::take_materials, &Setup::take_sky}) {
@@ -51,7 +52,7 @@ class Setup {
 
   Result<void> take_scene() {
     if (!options_.scene) return {};
-    const Result<Scene> scene = load_scene(*options_.scene);
+    Result<Scene> scene = load_scene(*options_.scene);
     if (!scene) return tl::unexpected(scene.error());
     for (const std::string& warning : scene->warnings) console_.warn(warning);
     if (const Result<void> same = check_same_geometry(model_, *scene); !same) return same;
@@ -61,6 +62,7 @@ class Setup {
     setup_.lighting.exitance = std::move(colors.exitance);
     if (!model_.lit_by_rig || !scene->lights.empty()) setup_.lights = scene->lights;
     replaced_lights_ = !scene->lights.empty();
+    setup_.scene = std::move(*scene);
     return {};
   }
 
@@ -79,6 +81,7 @@ class Setup {
     if (!overrides) return tl::unexpected(overrides.error());
     warn_clamped(apply_material_overrides(model_, *overrides, max_albedo_, setup_.lighting));
     for (const MaterialOverride& entry : *overrides) {
+      setup_.replaced_materials.push_back(entry.material);
       const MaterialRecord& material = model_.materials[entry.material];
       if (entry.emission.value_or(Rgb(0.0)) == Rgb(0.0) || material.possible_emitter) continue;
       console_.warn(fmt::format(

@@ -31,6 +31,9 @@ struct LightingSetup {
   std::vector<Light> lights;
   Sky sky = Rgb(0.0);
   bool lit_by_rig = false;
+  std::optional<Scene> scene;                     ///< of --scene
+  std::vector<std::uint32_t> replaced_materials;  ///< of --materials
+  double max_albedo = 1.0;
 };
 
 /// Parses "R,G,B"; nothing when the text is anything else.

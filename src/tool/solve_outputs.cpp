@@ -74,7 +74,8 @@ Result<void> add_pictures(const Model& model, const LightingSetup& setup, const 
                           OutputFolder& folder) {
   const Result<RayCaster> caster = RayCaster::create(model.occluders.positions, model.occluders.triangles);
   if (!caster) return tl::unexpected(caster.error());
-  const SurfaceShading shading(model, setup.lighting, irradiance);
+  const FineColors colors{setup.scene ? &*setup.scene : nullptr, setup.max_albedo, setup.replaced_materials};
+  const SurfaceShading shading(model, setup.lighting, irradiance, colors);
   const auto radiance = [&](const SeenPoint& point) { return shading.radiance(point); };
   const ViewedScene scene{model, *caster, radiance, setup.sky};
   const std::vector<Rgb> samples = cast_picture(scene, choose_camera(scene));

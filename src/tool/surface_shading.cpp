@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "scene/surface_color.h"
 #include "tool/lightmap_image.h"
 
 namespace relume {
@@ -37,12 +39,15 @@ std::vector<Rgb> shown_irradiance(const System& system, std::span<const Rgb> irr
 struct SurfaceShading::Sum {
   const System& system;
   const SystemLumels& lumels;
-  Rgb radiance{0.0};
+  Rgb irradiance{0.0};
+  Rgb albedo{0.0};
+  Rgb exitance{0.0};
   double weight = 0.0;
 };
 
-SurfaceShading::SurfaceShading(const Model& model, const Lighting& lighting, std::span<const Rgb> irradiance)
-    : model_(model), lighting_(lighting) {
+SurfaceShading::SurfaceShading(const Model& model, const Lighting& lighting, std::span<const Rgb> irradiance,
+                               FineColors colors)
+    : model_(model), lighting_(lighting), colors_(std::move(colors)) {
   const std::vector<std::uint32_t> clusters = cluster_offsets(model);
   const std::vector<std::uint32_t> rows = gather_offsets(model);
   for (std::size_t s = 0; s < model.systems.size(); ++s) {
@@ -59,7 +64,21 @@ Rgb SurfaceShading::radiance(const SeenPoint& point) const {
   add_lumels(point, place->texel, 1, Use::valid, sum);
   for (int reach = 1; reach <= 4 && sum.weight <= 0.0; ++reach)
     add_lumels(point, place->texel, reach, Use::all, sum);
-  return sum.weight > 0.0 ? sum.radiance / sum.weight : Rgb(0.0);
+  return sum.weight > 0.0 ? radiance_of(point, sum) : Rgb(0.0);
+}
+
+Rgb SurfaceShading::radiance_of(const SeenPoint& point, const Sum& sum) const {
+  const Rgb irradiance = sum.irradiance / sum.weight;
+  const std::uint32_t material = model_.occluders.material[point.triangle];
+  const bool replaced =
+      std::find(colors_.replaced.begin(), colors_.replaced.end(), material) != colors_.replaced.end();
+  if (!colors_.scene || replaced) {
+    return radiance_from_radiosity(sum.exitance / sum.weight + sum.albedo / sum.weight * irradiance);
+  }
+  const glm::vec2& b = point.barycentric;
+  const SurfaceColor color = mean_color(*colors_.scene, point.triangle, {b, b, b});
+  return color.radiance +
+         radiance_from_radiosity(glm::min(color.albedo, Rgb(colors_.max_albedo)) * irradiance);
 }
 
 void SurfaceShading::add_lumels(const SeenPoint& point, const glm::vec2& texel, int reach, Use use,
@@ -96,8 +115,9 @@ void SurfaceShading::add_lumel(const SeenPoint& point, std::uint32_t lumel, floa
   const float facing = glm::dot(normal, element.normal) * (point.side == Side::front ? 1.0f : -1.0f);
   if (facing < 0.5f * glm::length(normal)) return;
   const std::size_t i = sum.lumels.first_cluster + element.cluster;
-  const Rgb radiosity = lighting_.exitance[i] + lighting_.albedo[i] * sum.lumels.irradiance[lumel];
-  sum.radiance += double(weight) * radiance_from_radiosity(radiosity);
+  sum.irradiance += double(weight) * sum.lumels.irradiance[lumel];
+  sum.albedo += double(weight) * lighting_.albedo[i];
+  sum.exitance += double(weight) * lighting_.exitance[i];
   sum.weight += weight;
 }
 

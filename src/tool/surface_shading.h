@@ -7,15 +7,25 @@
 
 #include "core/model.h"
 #include "core/solve.h"
+#include "scene/scene.h"
 #include "tool/seen_point.h"
 
 namespace relume {
 
-/// What surfaces look like under a solved lighting. Holds references to model and lighting.
+/// Colours finer than clusters, for pictures: those of an edited scene.
+struct FineColors {
+  const Scene* scene = nullptr;  ///< of the model's geometry; null: none, clusters must do
+  double max_albedo = 1.0;
+  std::vector<std::uint32_t> replaced{};  ///< materials whose colours do not come from the scene
+};
+
+/// What surfaces look like under a solved lighting. Holds references to model, lighting and the scene of
+/// `colors`.
 class SurfaceShading {
  public:
   /// `irradiance` is per gather row, direct + indirect, lux.
-  SurfaceShading(const Model& model, const Lighting& lighting, std::span<const Rgb> irradiance);
+  SurfaceShading(const Model& model, const Lighting& lighting, std::span<const Rgb> irradiance,
+                 FineColors colors = {});
 
   /// Radiance (cd/m2): albedo x irradiance / pi + emission, all interpolated bilinearly among the valid
   /// lumels of the same chart. Black where a surface has no lumels near, and on the back of single-sided
@@ -29,12 +39,14 @@ class SurfaceShading {
     std::uint32_t first_cluster = 0;
   };
   struct Sum;
+  Rgb radiance_of(const SeenPoint& point, const Sum& sum) const;
   enum class Use { valid, all };
   void add_lumels(const SeenPoint& point, const glm::vec2& texel, int reach, Use use, Sum& sum) const;
   void add_lumel(const SeenPoint& point, std::uint32_t lumel, float weight, Sum& sum) const;
 
   const Model& model_;
   const Lighting& lighting_;
+  FineColors colors_;
   std::vector<SystemLumels> systems_;
 };
 

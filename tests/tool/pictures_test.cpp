@@ -7,8 +7,10 @@
 #include <cstdlib>
 #include <memory>
 
+#include "support/quad_model.h"
 #include "tool/image.h"
 #include "tool/lightmap_image.h"
+#include "tool/surface_shading.h"
 #include "tool/tone_curve.h"
 #include "tool/view_rays.h"
 
@@ -177,6 +179,51 @@ TEST(ViewRays, PassTheBacksOfSingleSidedMaterials) {
   EXPECT_EQ(hits[1].point.triangle, 1u);
   EXPECT_EQ(hits[1].point.side, Side::front);
   EXPECT_FALSE(hits[2].met);
+}
+
+/// A square of one cluster, one element and one lumel; albedo 0.5.
+Model one_lumel() {
+  Model model;
+  add_quad(model, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 1);
+  model.systems[0].lightmap_width = 1;
+  model.systems[0].lightmap_height = 1;
+  for (glm::vec2& uv : model.occluders.front_uv) uv = glm::vec2(0.5f);
+  return model;
+}
+
+TEST(SurfaceShading, RadianceIsReflectedAndEmittedOverPi) {
+  const Model model = one_lumel();
+  const Lighting lighting{{Rgb(0.5)}, {Rgb(0.0, 0.0, 2.0 * kPi)}, {Rgb(0.0)}, {}};
+  const std::vector<Rgb> irradiance{Rgb(kPi, 2.0 * kPi, 0.0)};
+  const SurfaceShading shading(model, lighting, irradiance);
+  const Rgb seen = shading.radiance({0, Side::front, {0.2f, 0.3f}});
+  EXPECT_NEAR(seen.x, 0.5, 1e-12);
+  EXPECT_NEAR(seen.y, 1.0, 1e-12);
+  EXPECT_NEAR(seen.z, 2.0, 1e-12);
+  EXPECT_EQ(shading.radiance({0, Side::back, {0.2f, 0.3f}}),
+            Rgb(0.0));  // the back of a single-sided material
+}
+
+TEST(SurfaceShading, ColoursOfASceneReplaceThoseOfClusters) {
+  const Model model = one_lumel();
+  Scene scene;
+  scene.materials.emplace_back().base_color = Rgb(0.25, 0.9, 0.0);
+  scene.materials[0].emission = Rgb(0.0, 0.0, 3.0);
+  for (const glm::vec3& corner : model.occluders.positions) scene.vertices.positions.emplace_back(corner);
+  scene.vertices.uv0.resize(4);
+  scene.vertices.uv1.resize(4);
+  scene.vertices.colors.resize(4);
+  scene.triangles = model.occluders.triangles;
+  scene.surfaces.push_back({0, 0, 0, 2, false, false, false});
+  const Lighting lighting{{Rgb(0.5)}, {Rgb(0.0)}, {Rgb(0.0)}, {}};
+  const std::vector<Rgb> irradiance{Rgb(kPi)};
+  const SeenPoint point{1, Side::front, {0.2f, 0.3f}};
+  const Rgb seen = SurfaceShading(model, lighting, irradiance, {&scene, 0.8, {}}).radiance(point);
+  EXPECT_NEAR(seen.x, 0.25, 1e-6);
+  EXPECT_NEAR(seen.y, 0.8, 1e-6);  // clamped
+  EXPECT_NEAR(seen.z, 3.0, 1e-6);
+  const Rgb replaced = SurfaceShading(model, lighting, irradiance, {&scene, 0.8, {0}}).radiance(point);
+  EXPECT_NEAR(replaced.x, 0.5, 1e-12);
 }
 
 TEST(ViewRays, FrameOfACameraThatLooksAlongMinusZ) {
