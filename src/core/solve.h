@@ -36,7 +36,7 @@ Result<void> check_lighting(const Model& model, const Lighting& lighting);
 /// The bounces start from B0 = M + rho H.
 struct StopRule {
   std::uint32_t max_bounces = 10000;
-  double tolerance = 1e-4;  ///< 0: never stop early
+  double tolerance = 1e-5;  ///< 0: never stop early
 };
 
 struct Solution {

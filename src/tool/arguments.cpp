@@ -179,7 +179,7 @@ class Parser {
     PrecomputeOptions& options = precompute_.options;
     add_path(command, "SCENE", "", precompute_.scene, "glTF scene (.gltf, .glb)")->required();
     add_path(command, "-o,--output", "FILE", precompute_.output, "The .relume file to write")->required();
-    add_number(command, "--quality", options.quality, kCount, "Rays per lumel (default 1024)");
+    add_number(command, "--quality", options.quality, kCount, "Rays per lumel (default 512)");
     add_number(command, "--sensor-quality", options.sensor_quality, kCount,
                "Rays per sensor (default 16 x quality, at least 4096)");
     add_number(command, "--cluster-size", options.cluster_size, kLength, "Default: about 4 k clusters");
@@ -215,7 +215,7 @@ class Parser {
     CLI::Option* bounces =
         add_number(command, "--bounces", bounces_, kCountOrZero, "Exactly this many bounces");
     CLI::Option* tolerance = add_number(command, "--tolerance", solve_.rule.tolerance, kShare,
-                                        "Stop at this bound on the relative error (default 1e-4)");
+                                        "Stop at this bound on the relative error (default 1e-5)");
     bounces->excludes(tolerance);
   }
 
@@ -225,7 +225,7 @@ class Parser {
     add_lighting(command, compare_.lighting);
     add_solver(command, compare_.solver, false);
     add_number(command, "--bounces", compare_.bounces, kCountOrZero,
-               "Bounces on both sides (default: what the reference needs for 1e-4)");
+               "Bounces on both sides (default: what the reference needs for 1e-5)");
     add_number(command, "--tolerance", compare_.tolerance, kShare,
                "Largest relative error that passes (default 1e-5)");
   }

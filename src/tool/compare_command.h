@@ -14,7 +14,7 @@ struct CompareArguments {
   std::filesystem::path file;
   LightingOptions lighting;
   SolverChoice solver;                   ///< of the Vulkan side
-  std::optional<std::uint32_t> bounces;  ///< absent: as many as the reference needs for 1e-4
+  std::optional<std::uint32_t> bounces;  ///< absent: as many as the reference needs for 1e-5
   double tolerance = 1e-5;               ///< largest relative error that passes
 };
 
