@@ -14,10 +14,10 @@
 
 namespace relume {
 
-/// How many samples two techniques take of the same form factor.
+/// How many samples two techniques are expected to take of the same form factor.
 struct SampleCounts {
-  std::uint32_t rays = 0;  ///< over the hemisphere of the receiver
-  std::uint32_t area = 0;  ///< over the emitter
+  double rays = 0.0;  ///< over the hemisphere of the receiver
+  double area = 0.0;  ///< over the emitter
 };
 
 /// What one hemisphere ray that meets the emitter counts, instead of 1. Cosines are positive.
@@ -27,13 +27,24 @@ double ray_weight(const SampleCounts& counts, double emitter_area, double cos_re
 struct ConnectionPacket {
   RayPacket rays;  ///< near 0, far 1, from receiver to emitter; far < near where there is nothing to gain
   PointLanes origins;
-  std::array<double, kLanes> form_factor;  ///< of the lane when nothing is in between, weighted
+  std::array<std::uint32_t, kLanes> emitter;  ///< index
+  /// Of the emitter, when nothing is in between, over the chance of having chosen it; weighted.
+  std::array<double, kLanes> form_factor;
 };
 
-/// Samples [first, first + kLanes) of the sequence that belongs to `key`; those from counts.area on are not
-/// used. `offset` is what points are lifted by.
-void fill_connections(const Receiver& receiver, const Emitter& emitter, const SampleCounts& counts,
-                      const SobolPoints& points, std::uint64_t key, std::uint32_t first, float offset,
-                      ConnectionPacket& packet);
+/// What all packets of one row share.
+struct Connections {
+  const Receiver& receiver;
+  const Emitters& emitters;
+  const EmitterChoice& choice;
+  std::uint32_t ray_count = 0;   ///< over the hemisphere
+  std::uint32_t area_count = 0;  ///< over all emitters
+  float offset = 0.0f;           ///< m, what points are lifted by
+};
+
+/// Samples [first, first + kLanes) of the sequence that belongs to `key`; those from area_count on are not
+/// used.
+void fill_connections(const Connections& connections, const SobolPoints& points, std::uint64_t key,
+                      std::uint32_t first, ConnectionPacket& packet);
 
 }  // namespace relume

@@ -29,7 +29,6 @@ void add_element(const Geometry& geometry, const SystemSurface& surface, const E
 void finish(const SystemSurface& surface, const std::vector<std::uint32_t>& elements, Emitter& emitter) {
   emitter.centroid /= float(emitter.area);
   emitter.normal /= float(emitter.area);
-  emitter.key = Receiver::point({emitter.centroid, emitter.normal}).key();
   for (const auto e : elements) {
     const Element& element = surface.elements[e];
     emitter.radius =
@@ -82,20 +81,29 @@ Emitters find_emitters(const Geometry& geometry, const std::vector<Chart>& chart
   return emitters;
 }
 
-std::vector<std::uint32_t> allot_samples(const Emitters& emitters, const Receiver& receiver,
-                                         std::uint32_t total) {
-  std::vector<double> estimates;
+std::size_t EmitterChoice::choose(float& u) const {
+  const auto found = std::upper_bound(cumulative.begin(), cumulative.end() - 1, double(u));
+  const auto index = std::size_t(found - cumulative.begin());
+  const double below = index > 0 ? cumulative[index - 1] : 0.0;
+  const double stretched = probability[index] > 0.0 ? (double(u) - below) / probability[index] : 0.0;
+  u = std::clamp(float(stretched), 0.0f, 0.99999994f);
+  return index;
+}
+
+void choose_emitters(const Emitters& emitters, const Receiver& receiver, EmitterChoice& choice) {
+  choice.probability.clear();
+  choice.cumulative.clear();
   double sum = 0.0;
   for (const Emitter& emitter : emitters.list) {
-    estimates.push_back(estimate(emitter, receiver));
-    sum += estimates.back();
+    choice.probability.push_back(estimate(emitter, receiver));
+    sum += choice.probability.back();
   }
-  std::vector<std::uint32_t> counts(estimates.size(), 0);
-  if (!(sum > 0.0)) return counts;
-  for (std::size_t i = 0; i < estimates.size(); ++i) {
-    counts[i] = static_cast<std::uint32_t>(std::lround(total * estimates[i] / sum));
+  const double scale = sum > 0.0 ? 1.0 / sum : 0.0;
+  double below = 0.0;
+  for (double& probability : choice.probability) {
+    probability *= scale;
+    choice.cumulative.push_back(below += probability);
   }
-  return counts;
 }
 
 }  // namespace relume

@@ -22,7 +22,6 @@ struct Emitter {
   glm::vec3 centroid{0.0f};
   glm::vec3 normal{0.0f};  ///< mean, not unit: shorter the more the cluster bends
   float radius = 0.0f;     ///< of a sphere about the centroid that holds it
-  std::uint64_t key = 0;   ///< of its place, for seeds
   AreaSampler points;
 };
 
@@ -36,9 +35,18 @@ Emitters find_emitters(const Geometry& geometry, const std::vector<Chart>& chart
                        const std::vector<ClusteredSurface>& systems, const std::vector<bool>& material_emits,
                        const std::vector<bool>& node_emits);
 
-/// How many of `total` area samples each emitter gets from a receiver: in proportion to an upper estimate of
-/// its unoccluded form factor, none when it is behind.
-std::vector<std::uint32_t> allot_samples(const Emitters& emitters, const Receiver& receiver,
-                                         std::uint32_t total);
+/// How often area samples go to each emitter: in proportion to an upper estimate of its unoccluded form
+/// factor.
+struct EmitterChoice {
+  std::vector<double> probability;  ///< per emitter, sums to 1; 0 when it is behind, all 0 when all are
+  std::vector<double> cumulative;   ///< of those up to and with each
+  bool any() const { return !cumulative.empty() && cumulative.back() > 0.0; }
+
+  /// The emitter that u in [0, 1) falls to; u is stretched to [0, 1) again.
+  std::size_t choose(float& u) const;
+};
+
+/// Fills `choice`, which keeps its memory between calls.
+void choose_emitters(const Emitters& emitters, const Receiver& receiver, EmitterChoice& choice);
 
 }  // namespace relume

@@ -13,11 +13,25 @@ namespace relume {
 namespace {
 
 /// Area samples of emitters for each ray of a row.
-constexpr std::uint32_t kRaysPerAreaSample = 8;
+constexpr std::uint32_t kRaysPerAreaSample = 16;
 constexpr std::uint32_t kMaxAreaSamples = 4096;
 
 glm::vec3 direction_of(const RayPacket& packet, int lane) {
   return {packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]};
+}
+
+/// What both parts of a row are multiplied by, so that they add up to what the rays measured.
+struct Scales {
+  double emitted = 1.0, counted = 1.0;
+};
+
+/// `counted` is at most `row_sum`. Each part takes a share of the difference by the square of its size: a
+/// lamp's small part stays what its area samples say, and so does what little an emitting room leaves.
+Scales close_row(double emitted, double counted, double row_sum) {
+  const double difference = row_sum - emitted - counted;
+  const double squares = emitted * emitted + counted * counted;
+  if (!(squares > 0.0)) return {};
+  return {1.0 + emitted * difference / squares, 1.0 + counted * difference / squares};
 }
 
 }  // namespace
@@ -27,12 +41,13 @@ RowTracer::RowTracer(const RowScene& scene)
       emitter_points_(scene.emitters.list.empty() ? 0 : kMaxAreaSamples),
       counts_(scene.cluster_count + 6 * scene.sky_resolution * scene.sky_resolution, 0),
       touched_(counts_.size()),
-      emitter_sums_(scene.emitters.list.size(), 0.0) {}
+      emitter_sums_(scene.emitters.list.size(), 0.0),
+      area_sums_(scene.emitters.list.size(), 0.0) {}
 
 TracedRow RowTracer::trace(const Receiver& receiver, const SobolPoints& points) {
   const std::uint64_t key = mix(receiver.key(), scene_.seed);
-  const auto total = std::min(kMaxAreaSamples, points.count() / kRaysPerAreaSample);
-  allotted_ = allot_samples(scene_.emitters, receiver, total);
+  area_samples_ = std::min(kMaxAreaSamples, points.count() / kRaysPerAreaSample);
+  choose_emitters(scene_.emitters, receiver, choice_);
   const Totals totals = trace_hemisphere(receiver, points, key);
   sample_emitters(receiver, points.count(), totals.traced, key);
   rays_ += totals.traced;
@@ -70,7 +85,7 @@ void RowTracer::count_hit(const RayPacket& packet, int lane, const glm::vec3& no
     if (sender == SenderLookup::kBlackBack) ++totals.back_faces;
     if (sender >= SenderLookup::kBlackBack) return;
     const std::uint32_t emitter = scene_.emitters.list.empty() ? kNone : scene_.emitters.of_cluster[sender];
-    if (emitter != kNone && allotted_[emitter] > 0) {
+    if (emitter != kNone && choice_.probability[emitter] > 0.0) {
       ++totals.arrived;
       ++totals.arrived_at_emitters;
       add_emitter_hit(emitter, packet, lane, normal, ray_count);
@@ -87,8 +102,9 @@ void RowTracer::add_emitter_hit(std::uint32_t emitter, const RayPacket& packet, 
   const glm::vec3 direction = direction_of(packet, lane);
   const double cos_receiver = std::max(0.0f, glm::dot(direction, normal));
   const double cos_emitter = std::abs(glm::dot(direction, scene_.geometry.normals[packet.triangle[lane]]));
-  const double weight = ray_weight({ray_count, allotted_[emitter]}, scene_.emitters.list[emitter].area,
-                                   cos_receiver, cos_emitter, packet.far[lane]);
+  const SampleCounts counts{double(ray_count), area_samples_ * choice_.probability[emitter]};
+  const double weight =
+      ray_weight(counts, scene_.emitters.list[emitter].area, cos_receiver, cos_emitter, packet.far[lane]);
   emitter_sums_[emitter] += weight / ray_count;
 }
 
@@ -96,58 +112,59 @@ void RowTracer::sample_emitters(const Receiver& receiver, std::uint32_t ray_coun
                                 std::uint64_t key) {
   // Hits were booked as one of ray_count each; fewer may have started, where walls cut into the receiver.
   const double started = traced > 0 ? double(ray_count) / traced : 0.0;
-  for (std::size_t i = 0; i < allotted_.size(); ++i) {
-    emitter_sums_[i] *= started;
-    if (allotted_[i] > 0) {
-      const Emitter& emitter = scene_.emitters.list[i];
-      emitter_sums_[i] +=
-          mean_area_sample(receiver, emitter, {ray_count, allotted_[i]}, mix(key, emitter.key));
-    }
+  for (double& sum : emitter_sums_) sum *= started;
+  if (!choice_.any()) return;
+  const Connections connections{receiver,  scene_.emitters, choice_,
+                                ray_count, area_samples_,   scene_.geometry.offset};
+  std::fill(area_sums_.begin(), area_sums_.end(), 0.0);
+  std::uint32_t owned = 0;
+  for (std::uint32_t first = 0; first < area_samples_; first += kPacketSize) {
+    ConnectionPacket packet;
+    fill_connections(connections, emitter_points_, mix(key, 1), first, packet);
+    owned += add_connections(receiver, first, packet);
   }
+  for (std::size_t i = 0; i < area_sums_.size() && owned > 0; ++i) emitter_sums_[i] += area_sums_[i] / owned;
 }
 
-double RowTracer::mean_area_sample(const Receiver& receiver, const Emitter& emitter,
-                                   const SampleCounts& counts, std::uint64_t key) {
-  double sum = 0.0;
+std::uint32_t RowTracer::add_connections(const Receiver& receiver, std::uint32_t first,
+                                         ConnectionPacket& packet) {
   std::uint32_t owned = 0;
-  for (std::uint32_t first = 0; first < counts.area; first += kPacketSize) {
-    ConnectionPacket packet;
-    fill_connections(receiver, emitter, counts, emitter_points_, key, first, scene_.geometry.offset, packet);
-    std::array<bool, kPacketSize> own;
-    for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
-      own[lane] =
-          first + lane < counts.area && receiver.owns(scene_.geometry, scene_.caster, packet.origins, lane);
-      if (!own[lane]) packet.rays.far[lane] = -1.0f;
-      occlusion_rays_ += packet.rays.far[lane] > 0.0f ? 1 : 0;
-    }
-    const std::uint32_t hidden = scene_.caster.occluded(packet.rays);
-    for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
-      if (!own[lane]) continue;
-      ++owned;
-      if ((hidden >> lane & 1u) == 0) sum += packet.form_factor[lane];
-    }
+  std::array<bool, kPacketSize> used;
+  for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+    const bool own =
+        first + lane < area_samples_ && receiver.owns(scene_.geometry, scene_.caster, packet.origins, lane);
+    owned += own ? 1 : 0;
+    used[lane] = own && packet.rays.far[lane] > 0.0f;
+    if (!used[lane]) packet.rays.far[lane] = -1.0f;
+    occlusion_rays_ += used[lane] ? 1 : 0;
   }
-  return owned > 0 ? sum / owned : 0.0;
+  const std::uint32_t hidden = scene_.caster.occluded(packet.rays);
+  for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+    if (used[lane] && (hidden >> lane & 1u) == 0)
+      area_sums_[packet.emitter[lane]] += packet.form_factor[lane];
+  }
+  return owned;
 }
 
 FormFactorRow RowTracer::finish_row(const Totals& totals) {
   FormFactorRow row;
   const double row_sum = totals.traced > 0 ? double(totals.arrived) / totals.traced : 0.0;
   double emitted = 0.0;
-  for (std::size_t e = 0; e < allotted_.size(); ++e) {
+  for (std::size_t e = 0; e < emitter_sums_.size(); ++e) {
     emitted += emitter_sums_[e];
     if (emitter_sums_[e] > 0.0) touched_.insert(scene_.emitters.list[e].cluster);
   }
   const std::uint32_t counted = totals.arrived - totals.arrived_at_emitters;
-  const double emitter_scale = emitted > row_sum ? row_sum / emitted : 1.0;
-  const double rest_scale =
-      counted > 0 ? std::max(0.0, row_sum - emitted * emitter_scale) / double(counted) : 0.0;
+  const Scales scales =
+      close_row(emitted, totals.traced > 0 ? double(counted) / totals.traced : 0.0, row_sum);
+  row.senders.reserve(touched_.size());
+  row.values.reserve(touched_.size());
   touched_.drain([&](std::uint32_t sender) {
-    double value = counts_[sender] * rest_scale;
+    double value = counts_[sender] * scales.counted / std::max(1u, totals.traced);
     const std::uint32_t emitter = sender < scene_.cluster_count && !scene_.emitters.list.empty()
                                       ? scene_.emitters.of_cluster[sender]
                                       : kNone;
-    if (emitter != kNone) value += emitter_sums_[emitter] * emitter_scale;
+    if (emitter != kNone) value += emitter_sums_[emitter] * scales.emitted;
     row.senders.push_back(sender);
     row.values.push_back(float(value));
     counts_[sender] = 0;

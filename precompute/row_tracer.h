@@ -44,9 +44,9 @@ class RowTracer {
  public:
   explicit RowTracer(const RowScene& scene);
 
-  /// `points` has as many rays as wanted. Form factors are shares of the rays; those of emitters come from
-  /// emitter sampling where they get any of points.count() / 4 area samples, and the rest of the row is
-  /// scaled so that the sum stays what the rays measured.
+  /// `points` has as many rays as wanted. Form factors are shares of the rays; those of emitters are combined
+  /// with area samples, one for every 16 rays, and the rest of the row is scaled so that the sum stays what
+  /// the rays measured.
   TracedRow trace(const Receiver& receiver, const SobolPoints& points);
 
   std::uint64_t rays() const { return rays_; }
@@ -63,17 +63,19 @@ class RowTracer {
                        std::uint32_t ray_count);
   void sample_emitters(const Receiver& receiver, std::uint32_t ray_count, std::uint32_t traced,
                        std::uint64_t key);
-  double mean_area_sample(const Receiver& receiver, const Emitter& emitter, const SampleCounts& counts,
-                          std::uint64_t key);
+  /// How many samples of the packet belong to the receiver.
+  std::uint32_t add_connections(const Receiver& receiver, std::uint32_t first, ConnectionPacket& packet);
   FormFactorRow finish_row(const Totals& totals);
 
   const RowScene& scene_;
   SobolPoints emitter_points_;
   std::vector<std::uint32_t>
-      counts_;         ///< per sender: rays that arrived, except those counted in emitter_sums_
-  SenderSet touched_;  ///< senders with a count
-  std::vector<std::uint32_t> allotted_;  ///< per emitter: area samples
-  std::vector<double> emitter_sums_;     ///< per emitter: form factor
+      counts_;                      ///< per sender: rays that arrived, except those counted in emitter_sums_
+  SenderSet touched_;               ///< senders with a count
+  std::uint32_t area_samples_ = 0;  ///< of all emitters together
+  EmitterChoice choice_;
+  std::vector<double> emitter_sums_;  ///< per emitter: form factor
+  std::vector<double> area_sums_;     ///< per emitter: what area samples add up to
   std::uint64_t rays_ = 0;
   std::uint64_t occlusion_rays_ = 0;
 };

@@ -26,6 +26,8 @@ class RowMean {
   }
   FormFactorRow finish() {
     FormFactorRow row;
+    row.senders.reserve(touched_.size());
+    row.values.reserve(touched_.size());
     touched_.drain([&](std::uint32_t sender) {
       row.senders.push_back(sender);
       row.values.push_back(float(sums_[sender] / weight_));

@@ -14,6 +14,12 @@ class SenderSet {
 
   void insert(std::uint32_t sender) { words_[sender / 64] |= std::uint64_t{1} << (sender % 64); }
 
+  std::size_t size() const {
+    std::size_t size = 0;
+    for (const std::uint64_t word : words_) size += static_cast<std::size_t>(std::popcount(word));
+    return size;
+  }
+
   /// Calls visit(sender), ascending, and forgets all.
   template <class Visit>
   void drain(Visit&& visit) {
