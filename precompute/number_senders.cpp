@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "precompute/number_senders.h"
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <numeric>
 
 #include "core/sky.h"
+#include "precompute/sender_set.h"
 
 namespace relume {
 namespace {
@@ -73,17 +75,35 @@ std::vector<T> in_order(const std::vector<T>& values, const std::vector<std::uin
   return ordered;
 }
 
-/// `numbers` per old sender: the new one; kNone where no row sees it.
-void renumber(const std::vector<std::uint32_t>& numbers, FormFactorRow& row) {
-  std::vector<std::pair<std::uint32_t, float>> entries;
-  for (std::size_t i = 0; i < row.senders.size(); ++i)
-    entries.emplace_back(numbers[row.senders[i]], row.values[i]);
-  std::sort(entries.begin(), entries.end());
-  for (std::size_t i = 0; i < entries.size(); ++i) std::tie(row.senders[i], row.values[i]) = entries[i];
-}
+/// Gives the entries of rows new numbers; one per thread.
+class Renumbering {
+ public:
+  /// `numbers` per old sender: the new one; kNone where no row sees it.
+  explicit Renumbering(const std::vector<std::uint32_t>& numbers)
+      : numbers_(numbers), values_(numbers.size(), 0.0f), used_(numbers.size()) {}
+
+  void apply(FormFactorRow& row) {
+    for (std::size_t i = 0; i < row.senders.size(); ++i) {
+      const std::uint32_t number = numbers_[row.senders[i]];
+      values_[number] = row.values[i];
+      used_.insert(number);
+    }
+    std::size_t next = 0;
+    used_.drain([&](std::uint32_t number) {
+      row.senders[next] = number;
+      row.values[next++] = values_[number];
+    });
+  }
+
+ private:
+  const std::vector<std::uint32_t>& numbers_;
+  std::vector<float> values_;  ///< per new number, where used
+  SenderSet used_;
+};
 
 void renumber(const std::vector<std::uint32_t>& numbers, std::vector<FormFactorRow>& rows) {
-  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t i) { renumber(numbers, rows[i]); });
+  tbb::enumerable_thread_specific<Renumbering> renumberings([&] { return Renumbering(numbers); });
+  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t i) { renumberings.local().apply(rows[i]); });
 }
 
 /// The clusters of one system; `numbers` gets the new ones.

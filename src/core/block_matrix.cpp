@@ -82,6 +82,8 @@ float repaired_scale(const EncodedRow& row, ValueCodec codec, double target) {
 
 EncodedRow encode_row(std::span<const double> values, ValueCodec codec) {
   EncodedRow row;
+  row.codes.reserve(values.size());
+  row.unscaled.reserve(values.size());
   double row_max = values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
   const bool dark = row_max < std::numeric_limits<float>::min();
   double error = 0.0;
