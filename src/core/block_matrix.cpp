@@ -5,6 +5,7 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numeric>
 
@@ -101,12 +102,6 @@ EncodedRow encode_row(std::span<const double> values, ValueCodec codec) {
   return row;
 }
 
-void append_code(std::vector<std::byte>& values, ValueCodec codec, std::uint32_t code) {
-  static_assert(std::endian::native == std::endian::little);
-  const auto bytes = std::as_bytes(std::span(&code, 1)).first(value_bytes(codec));
-  values.insert(values.end(), bytes.begin(), bytes.end());
-}
-
 /// The rows of a tile, encoded, and which of its columns any of them needs.
 struct EncodedTile {
   std::vector<EncodedRow> rows;
@@ -133,9 +128,14 @@ std::size_t tile_bytes(const EncodedTile& tile, std::uint32_t tile_rows, ValueCo
 
 /// Appends to the values of a block; the last tile is filled up with zeros.
 void append_values(const EncodedTile& tile, MatrixBlock& block) {
+  static_assert(std::endian::native == std::endian::little);
+  const std::size_t width = value_bytes(block.codec);
+  std::size_t end = block.values.size();
+  block.values.resize(end + tile.entries.size() * block.tile_rows * width);
   for (const std::size_t entry : tile.entries) {
-    for (std::size_t lane = 0; lane < block.tile_rows; ++lane)
-      append_code(block.values, block.codec, lane < tile.rows.size() ? tile.rows[lane].codes[entry] : 0u);
+    for (std::size_t lane = 0; lane < block.tile_rows; ++lane, end += width) {
+      if (lane < tile.rows.size()) std::memcpy(&block.values[end], &tile.rows[lane].codes[entry], width);
+    }
   }
 }
 
