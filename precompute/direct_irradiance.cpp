@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 #include <new>
 
+#include "precompute/arena_threads.h"
 #include "precompute/lift_sensor.h"
 #include "precompute/mutual_visibility.h"
 #include "precompute/punctual_light.h"
@@ -256,7 +257,7 @@ Result<DirectIrradiance> direct_irradiance(const Model& model, std::span<const L
     if (!caster) return tl::unexpected(caster.error());
     const Surroundings around = make_surroundings(model, *caster, lights);
     DirectIrradiance result;
-    tbb::task_arena arena(threads > 0 ? static_cast<int>(threads) : tbb::task_arena::automatic);
+    tbb::task_arena arena(arena_threads(threads));
     arena.execute([&] {
       for (const System& system : model.systems) append_system(around, system, result);
     });

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "core/sky.h"
+#include "precompute/arena_threads.h"
 #include "precompute/assemble_model.h"
 #include "precompute/clusters.h"
 #include "precompute/lift_sensor.h"
@@ -182,8 +183,7 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
 Result<Model> precompute(const Scene& scene, const PrecomputeOptions& options, PrecomputeReport& report,
                          const ProgressObserver& observer) {
   if (auto ok = check_options(options); !ok) return tl::unexpected(ok.error());
-  const int threads = options.threads > 0 ? int(options.threads) : tbb::task_arena::automatic;
-  tbb::task_arena arena(threads);
+  tbb::task_arena arena(arena_threads(options.threads));
   try {
     return arena.execute([&] { return build(scene, options, report, observer); });
   } catch (const std::bad_alloc&) {

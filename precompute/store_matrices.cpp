@@ -2,6 +2,7 @@
 #include "precompute/store_matrices.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <functional>
@@ -175,9 +176,17 @@ Result<void> store_system(const ModelParts& parts, const PrecomputeOptions& opti
   const auto columns = std::uint32_t(system.imports.size());
   const bool shared = options.budget > 0;
   BlockMatrixBuilder bounce(columns, options.codec), gather(columns, options.codec);
-  visit_tiles(groups.clusters, leaves, [&](const CutTile& tile) { append(imports, tile, shared, bounce); });
-  visit_tiles(groups.lumels, leaves, [&](const CutTile& tile) { append(imports, tile, shared, gather); });
-  visit_tiles(groups.sensors, leaves, [&](const CutTile& tile) { append(imports, tile, false, gather); });
+  tbb::parallel_invoke(
+      [&] {
+        visit_tiles(groups.clusters, leaves,
+                    [&](const CutTile& tile) { append(imports, tile, shared, bounce); });
+      },
+      [&] {
+        visit_tiles(groups.lumels, leaves,
+                    [&](const CutTile& tile) { append(imports, tile, shared, gather); });
+        visit_tiles(groups.sensors, leaves,
+                    [&](const CutTile& tile) { append(imports, tile, false, gather); });
+      });
   system.bounce = std::move(bounce).finish();
   system.gather = std::move(gather).finish();
   return {};

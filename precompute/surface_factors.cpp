@@ -12,6 +12,7 @@
 #include <map>
 #include <new>
 
+#include "precompute/arena_threads.h"
 #include "precompute/geometry.h"
 #include "precompute/mutual_visibility.h"
 #include "precompute/progress.h"
@@ -209,7 +210,7 @@ Result<SurfaceFactors> build(const Scene& scene, FactorGrouping grouping, std::u
 Result<SurfaceFactors> surface_factors(const Scene& scene, FactorGrouping grouping, std::uint32_t rays,
                                        std::uint64_t seed, std::uint32_t threads,
                                        const ProgressObserver& observer) {
-  tbb::task_arena arena(threads > 0 ? static_cast<int>(threads) : tbb::task_arena::automatic);
+  tbb::task_arena arena(arena_threads(threads));
   try {
     return arena.execute([&] { return build(scene, grouping, rays, seed, observer); });
   } catch (const std::bad_alloc&) {
