@@ -18,23 +18,19 @@ constexpr std::uint32_t kBounces = 32;
 
 /// Bytes a second that all cores read from an array far larger than the caches.
 double read_bandwidth() {
-  static const std::vector<float> data(std::size_t{1} << 27, 1.0f);
-  float sum = 0.0f;
+  static const std::vector<std::uint32_t> data(std::size_t{1} << 27, 1u);
+  std::uint32_t sum = 0;
   const double seconds = seconds_of([&] {
     using Range = tbb::blocked_range<std::size_t>;
     sum = tbb::parallel_reduce(
-        Range(0, data.size(), 1 << 20), 0.0f,
-        [&](const Range& range, float start) {
-          // Eight sums apart, or the additions would wait for each other.
-          std::array<float, 8> parts{};
-          for (std::size_t i = range.begin(); i + 8 <= range.end(); i += 8) {
-            for (std::size_t lane = 0; lane < 8; ++lane) parts[lane] += data[i + lane];
-          }
-          return std::accumulate(parts.begin(), parts.end(), start);
+        Range(0, data.size(), 1 << 20), 0u,
+        [&](const Range& range, std::uint32_t start) {
+          return std::accumulate(data.begin() + std::ptrdiff_t(range.begin()),
+                                 data.begin() + std::ptrdiff_t(range.end()), start);
         },
-        std::plus<float>());
+        std::plus<std::uint32_t>());
   });
-  return sum > 0.0f ? double(data.size() * sizeof(float)) / seconds : 0.0;
+  return sum == data.size() ? double(data.size() * sizeof(std::uint32_t)) / seconds : 0.0;
 }
 
 struct Variant {
