@@ -24,6 +24,30 @@ std::vector<char*> pointers(const std::vector<std::string>& texts) {
   return list;
 }
 
+/// Folders of one process; they go when it ends.
+class TestFolders {
+ public:
+  TestFolders()
+      : root_(std::filesystem::path(testing::TempDir()) / ("relume-tool-tests-" + std::to_string(getpid()))) {
+  }
+  ~TestFolders() {
+    std::error_code ignored;
+    std::filesystem::remove_all(root_, ignored);
+  }
+  TestFolders(const TestFolders&) = delete;
+  TestFolders& operator=(const TestFolders&) = delete;
+
+  std::filesystem::path make() {
+    const std::filesystem::path folder = root_ / std::to_string(count_++);
+    std::filesystem::create_directories(folder);
+    return folder;
+  }
+
+ private:
+  std::filesystem::path root_;
+  int count_ = 0;
+};
+
 /// Our environment with `changes` (NAME=VALUE) in place of what has the same name.
 std::vector<std::string> environment_with(const std::vector<std::string>& changes) {
   const auto name_of = [](const std::string& entry) { return entry.substr(0, entry.find('=')); };
@@ -87,14 +111,8 @@ nlohmann::json relume_json(std::vector<std::string> arguments) {
 }
 
 std::filesystem::path fresh_folder() {
-  const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-  static int count = 0;
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "relume-tool-tests" /
-                                       (std::string(test->test_suite_name()) + "." + test->name() + "." +
-                                        std::to_string(getpid()) + "." + std::to_string(count++));
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder;
+  static TestFolders folders;
+  return folders.make();
 }
 
 std::string make_scene(const std::string& name, const std::filesystem::path& folder) {

@@ -29,7 +29,7 @@ Finished run_relume(std::vector<std::string> arguments, const std::vector<std::s
 /// Runs `relume ... --json` and expects exit status 0 and one JSON object on standard output.
 nlohmann::json relume_json(std::vector<std::string> arguments);
 
-/// An empty folder of this test alone.
+/// A new, empty folder; it is removed when the test program ends.
 std::filesystem::path fresh_folder();
 
 /// `relume-make-scene NAME` into `folder`; the path of the .glb.
