@@ -18,9 +18,11 @@ namespace {
 
 constexpr double kLumels = 12000.0;
 
-constexpr std::array<Benchmark, 2> kBenchmarks{{
+constexpr std::array<Benchmark, 3> kBenchmarks{{
     {"precompute_vs_embree", "time of a precompute against that of bare Embree for the same rays",
      precompute_vs_embree},
+    {"error", "error and size of models for error targets and flat budgets, against a converged answer",
+     error},
     {"solve", "form factors a second of the reference product and of each device kernel", solve},
 }};
 
@@ -37,6 +39,8 @@ Result<Scene> generated_room() {
   return scene;
 }
 
+}  // namespace
+
 double area_of(const Scene& scene) {
   double area = 0.0;
   for (const auto& t : scene.triangles) {
@@ -45,8 +49,6 @@ double area_of(const Scene& scene) {
   }
   return area;
 }
-
-}  // namespace
 
 std::span<const Benchmark> benchmarks() {
   return kBenchmarks;

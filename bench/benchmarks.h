@@ -37,8 +37,13 @@ Measurements precompute_vs_embree(const BenchmarkOptions& options);
 /// Form factors a second of the plain reference product and of each device kernel, against what memory gives.
 Measurements solve(const BenchmarkOptions& options);
 
+/// Errors of --error and --budget at sensors, for lights that the precompute has not seen, against a
+/// converged answer.
+Measurements error(const BenchmarkOptions& options);
+
 /// The scene of `options`, and its precompute options.
 Result<Scene> benchmark_scene(const BenchmarkOptions& options);
+double area_of(const Scene& scene);  ///< m2
 PrecomputeOptions precompute_options(const BenchmarkOptions& options, const Scene& scene);
 
 }  // namespace relume::bench

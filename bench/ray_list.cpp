@@ -43,7 +43,7 @@ Result<RayList> rays_of_precompute(const Scene& scene, const Geometry& geometry,
   for (const SystemLayout& layout : *layouts) {
     const SystemSurface surface = make_elements(geometry, charts, layout, *caster);
     const auto clusters =
-        make_clusters(geometry, charts, layout, surface, *caster, texels, options.cluster_size);
+        make_clusters(geometry, charts, layout, surface, *caster, texels, {options.cluster_size, 0.0, {}});
     std::vector<std::uint32_t> order(clusters.size());
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(),

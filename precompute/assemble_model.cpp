@@ -14,15 +14,6 @@
 namespace relume {
 namespace {
 
-/// Elements in the order that the model stores: by cluster, then by cell.
-std::vector<std::uint32_t> stored_order(const ClusteredSurface& surface) {
-  std::vector<std::uint32_t> order(surface.cluster.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return surface.cluster[a] < surface.cluster[b]; });
-  return order;
-}
-
 void store_elements(const ClusteredSurface& surface, const std::vector<std::uint32_t>& order,
                     System& system) {
   for (const auto e : order) {
@@ -132,7 +123,41 @@ void store_colors(const Scene& scene, double max_albedo, Model& model, Precomput
   }
 }
 
+/// Patches of the sky that no column means have no place in the model.
+void drop_unseen_sky(Model& model) {
+  std::vector<bool> seen(model.sky_cells.size(), false);
+  const auto leaves = std::uint32_t(seen.size());
+  for (const System& system : model.systems) {
+    for (const SenderRef& sender : system.imports) {
+      if (sender.system == kSkySystem && sender.index < leaves) seen[sender.index] = true;
+    }
+  }
+  for (const TreeNode& node : model.sky_tree) std::fill_n(seen.begin() + node.first, node.count, true);
+  std::vector<std::uint32_t> place(leaves + 1, 0), cells;
+  for (std::uint32_t i = 0; i < leaves; ++i) {
+    place[i] = std::uint32_t(cells.size());
+    if (seen[i]) cells.push_back(model.sky_cells[i]);
+  }
+  for (System& system : model.systems) {
+    for (SenderRef& sender : system.imports) {
+      if (sender.system != kSkySystem) continue;
+      sender.index =
+          sender.index < leaves ? place[sender.index] : std::uint32_t(cells.size()) + sender.index - leaves;
+    }
+  }
+  for (TreeNode& node : model.sky_tree) node.first = place[node.first];
+  model.sky_cells = std::move(cells);
+}
+
 }  // namespace
+
+std::vector<std::uint32_t> stored_order(const ClusteredSurface& surface) {
+  std::vector<std::uint32_t> order(surface.cluster.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return surface.cluster[a] < surface.cluster[b]; });
+  return order;
+}
 
 std::vector<bool> own_elements(const Scene& scene, const std::vector<Chart>& charts,
                                const SystemSurface& surface) {
@@ -149,29 +174,27 @@ std::vector<bool> own_elements(const Scene& scene, const std::vector<Chart>& cha
   return own;
 }
 
-Result<Model> assemble_model(const ModelParts& parts, const PrecomputeOptions& options,
+Result<Model> assemble_model(const ModelParts& parts, ValueCodec codec, double max_albedo,
                              PrecomputeReport& report) {
   Model model;
   model.origin = parts.geometry.origin;
-  model.max_albedo = options.max_albedo;
-  model.sky_resolution = parts.sky_resolution;
+  model.max_albedo = max_albedo;
+  model.sky_resolution = parts.senders.sky_resolution;
   model.sky_cells = parts.senders.sky_cells;
-  std::vector<std::vector<std::uint32_t>> orders;
   for (std::size_t s = 0; s < parts.surfaces.size(); ++s) {
     System system;
     system.name = parts.layouts[s].name;
     system.lightmap_width = parts.layouts[s].width;
     system.lightmap_height = parts.layouts[s].height;
-    orders.push_back(stored_order(parts.surfaces[s]));
-    const auto& order = orders.back();
+    const auto& order = parts.element_orders[s];
     store_elements(parts.surfaces[s], order, system);
     store_clusters(parts, parts.surfaces[s], order, system);
     store_lumels(parts, s, order, system, report);
     store_charts(parts, parts.layouts[s], system);
     model.systems.push_back(std::move(system));
   }
-  if (auto stored = store_matrices(parts, options, orders, model, report); !stored)
-    return tl::unexpected(stored.error());
+  if (auto stored = store_matrices(parts, codec, model); !stored) return tl::unexpected(stored.error());
+  drop_unseen_sky(model);
   std::vector<bool> emits(parts.scene.materials.size(), false);
   for (const Emitter& e : parts.emitters.list) emits[e.material] = true;
   for (std::size_t m = 0; m < parts.scene.materials.size(); ++m) {
@@ -182,7 +205,7 @@ Result<Model> assemble_model(const ModelParts& parts, const PrecomputeOptions& o
   model.nodes = std::move(hash.nodes);
   model.geometry_hash = hash.total;
   model.occluders = make_occluders(parts);
-  store_colors(parts.scene, options.max_albedo, model, report);
+  store_colors(parts.scene, max_albedo, model, report);
   return model;
 }
 

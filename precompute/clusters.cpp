@@ -5,8 +5,10 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <map>
 #include <numeric>
+#include <span>
 
 #include "precompute/mutual_visibility.h"
 
@@ -61,6 +63,80 @@ std::vector<std::uint64_t> blocks_of_elements(const std::vector<Chart>& charts, 
   }
   return blocks;
 }
+
+/// Halves blocks across their longer side, until none is larger than the share of its clearance or a lumel.
+/// `limits` gets the size of the block of each element.
+class BlockHalver {
+ public:
+  BlockHalver(const std::vector<Chart>& charts, const SystemSurface& surface,
+              const std::vector<double>& texel_sizes, const ClusterSizes& sizes,
+              std::vector<std::uint64_t>& blocks, std::vector<float>& limits)
+      : charts_(charts),
+        surface_(surface),
+        texel_sizes_(texel_sizes),
+        sizes_(sizes),
+        blocks_(blocks),
+        limits_(limits) {}
+
+  void run() {
+    std::vector<std::uint32_t> order(blocks_.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return blocks_[a] < blocks_[b]; });
+    const std::vector<std::uint64_t> before = blocks_;
+    for (std::size_t first = 0; first < order.size();) {
+      std::size_t last = first;
+      while (last < order.size() && before[order[last]] == before[order[first]]) ++last;
+      halve(std::span(order).subspan(first, last - first));
+      first = last;
+    }
+  }
+
+ private:
+  std::uint32_t x(std::uint32_t e) const { return surface_.elements[e].cell % surface_.width; }
+  std::uint32_t y(std::uint32_t e) const { return surface_.elements[e].cell / surface_.width; }
+
+  /// Of irradiance over the block.
+  double clearance(std::span<const std::uint32_t> block) const {
+    double inverse = 0.0;
+    for (const auto e : block) inverse += 1.0 / double(sizes_.clearances[e]);
+    return inverse > 0.0 ? double(block.size()) / inverse : std::numeric_limits<double>::infinity();
+  }
+
+  void halve(std::span<std::uint32_t> block) {
+    std::uint32_t left = x(block[0]), right = left, lower = y(block[0]), upper = lower;
+    for (const auto e : block) {
+      left = std::min(left, x(e)), right = std::max(right, x(e));
+      lower = std::min(lower, y(e)), upper = std::max(upper, y(e));
+    }
+    const bool wide = right - left >= upper - lower;
+    const std::uint32_t lumels = (wide ? right - left : upper - lower) + 1;
+    const double texel = texel_sizes_[charts_[surface_.elements[block[0]].chart].node];
+    const double limit = sizes_.clearance_share * clearance(block);
+    if (lumels > 1 && double(lumels) * texel > limit) {
+      const std::uint32_t middle = (wide ? left : lower) + lumels / 2;
+      const auto second = std::stable_partition(
+          block.begin(), block.end(), [&](std::uint32_t e) { return (wide ? x(e) : y(e)) < middle; });
+      const auto count = std::size_t(second - block.begin());
+      halve(block.first(count));
+      halve(block.subspan(count));
+      return;
+    }
+    for (const auto e : block) {
+      blocks_[e] = next_;
+      limits_[e] = float(std::min(sizes_.largest, std::max(limit, texel)));
+    }
+    ++next_;
+  }
+
+  const std::vector<Chart>& charts_;
+  const SystemSurface& surface_;
+  const std::vector<double>& texel_sizes_;
+  const ClusterSizes& sizes_;
+  std::vector<std::uint64_t>& blocks_;
+  std::vector<float>& limits_;
+  std::uint64_t next_ = 0;
+};
 
 struct Group {
   double area = 0.0;
@@ -120,26 +196,31 @@ bool may_join(const Group& small, const Group& other, float cluster_size) {
 
 /// Small groups join the nearest group that may take them and that they see.
 void absorb_small(const Geometry& geometry, const RayCaster& caster, const SystemSurface& surface,
-                  double cluster_size, std::vector<Group>& groups, DisjointSets& sets) {
+                  const std::vector<float>& limits, std::vector<Group>& groups, DisjointSets& sets) {
+  const auto is_small = [&](const Group& group) {
+    return group.area < kSmallShare * double(limits[group.element]) * double(limits[group.element]);
+  };
+  double cell = 0.0;
+  for (const float limit : limits) cell = std::max(cell, double(limit));
   std::map<GridKey, std::vector<std::uint32_t>> grid;
   std::vector<std::uint32_t> small;
   for (std::uint32_t g = 0; g < groups.size(); ++g) {
     if (groups[g].area <= 0.0) continue;
-    grid[grid_key(groups[g].centre(), cluster_size)].push_back(g);
-    if (groups[g].area < kSmallShare * cluster_size * cluster_size) small.push_back(g);
+    grid[grid_key(groups[g].centre(), cell)].push_back(g);
+    if (is_small(groups[g])) small.push_back(g);
   }
   for (const auto start : small) {
     const std::uint32_t own = sets.root(start);
     const Group group = groups[own];
-    if (group.area >= kSmallShare * cluster_size * cluster_size) continue;
-    const GridKey key = grid_key(group.centre(), cluster_size);
+    if (!is_small(group)) continue;
+    const GridKey key = grid_key(group.centre(), cell);
     std::vector<std::pair<float, std::uint32_t>> candidates;
     for (int step = 0; step < 27; ++step) {
-      const auto cell = grid.find({key[0] + step % 3 - 1, key[1] + step / 3 % 3 - 1, key[2] + step / 9 - 1});
-      if (cell == grid.end()) continue;
-      for (const auto listed : cell->second) {
+      const auto near = grid.find({key[0] + step % 3 - 1, key[1] + step / 3 % 3 - 1, key[2] + step / 9 - 1});
+      if (near == grid.end()) continue;
+      for (const auto listed : near->second) {
         const std::uint32_t other = sets.root(listed);
-        if (other == own || !may_join(group, groups[other], float(cluster_size))) continue;
+        if (other == own || !may_join(group, groups[other], limits[group.element])) continue;
         candidates.emplace_back(glm::length(groups[other].centre() - group.centre()), other);
       }
     }
@@ -161,14 +242,16 @@ void absorb_small(const Geometry& geometry, const RayCaster& caster, const Syste
 std::vector<std::uint32_t> make_clusters(const Geometry& geometry, const std::vector<Chart>& charts,
                                          const SystemLayout& layout, const SystemSurface& surface,
                                          const RayCaster& caster, const std::vector<double>& texel_sizes,
-                                         double cluster_size) {
+                                         const ClusterSizes& sizes) {
   DisjointSets sets(surface.elements.size());
-  const auto blocks = blocks_of_elements(charts, layout, surface, texel_sizes, cluster_size);
+  std::vector<float> limits(surface.elements.size(), float(sizes.largest));
+  auto blocks = blocks_of_elements(charts, layout, surface, texel_sizes, sizes.largest);
+  if (sizes.clearance_share > 0.0) BlockHalver(charts, surface, texel_sizes, sizes, blocks, limits).run();
   for (const auto& [a, b] : surface.links) {
     if (blocks[a] == blocks[b]) sets.unite(a, b);
   }
   auto groups = groups_of_roots(charts, surface, sets);
-  absorb_small(geometry, caster, surface, cluster_size, groups, sets);
+  absorb_small(geometry, caster, surface, limits, groups, sets);
   // Number by chart, block and first element: neighbours in space get neighbouring numbers.
   std::vector<std::uint32_t> order(surface.elements.size());
   std::iota(order.begin(), order.end(), 0u);

@@ -3,164 +3,156 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <queue>
 
 namespace relume {
-namespace {
 
-/// All leaves that any row of the tile sees, ascending, with the rows' values side by side.
-struct Union {
-  std::vector<std::uint32_t> leaves;
-  std::vector<float> values;  ///< [leaf * rows + row]
-  std::size_t rows = 0;
-};
-
-Union unite(std::span<const FormFactorRow* const> rows) {
-  Union u;
-  u.rows = rows.size();
-  for (const FormFactorRow* row : rows)
-    u.leaves.insert(u.leaves.end(), row->senders.begin(), row->senders.end());
-  std::sort(u.leaves.begin(), u.leaves.end());
-  u.leaves.erase(std::unique(u.leaves.begin(), u.leaves.end()), u.leaves.end());
-  u.values.assign(u.leaves.size() * rows.size(), 0.0f);
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    std::size_t at = 0;
-    for (std::size_t i = 0; i < rows[r]->senders.size(); ++i) {
-      while (u.leaves[at] != rows[r]->senders[i]) ++at;
-      u.values[at * rows.size() + r] = rows[r]->values[i];
-    }
-  }
-  return u;
-}
-
-/// Mean absolute deviation of a Poisson count: exact in both limits.
-double mean_deviation(double mean) {
-  return std::min(2.0 * mean, 0.798 * std::sqrt(mean));
-}
-
-struct Candidate {
-  double spread = 0.0;
+/// A node that may be refined, or a leaf.
+struct TileCutter::Candidate {
+  float squared_error = 0.0f;  ///< over rows and probes
   std::uint32_t node = 0;
-  std::size_t first = 0, last = 0;  ///< its leaves in the union
+  std::size_t first = 0, last = 0;  ///< its leaves among those of the tile
   friend bool operator<(const Candidate& a, const Candidate& b) {
-    return a.spread != b.spread ? a.spread < b.spread : a.node > b.node;
+    return a.squared_error != b.squared_error ? a.squared_error < b.squared_error : a.node > b.node;
   }
 };
 
-class TileCutter {
- public:
-  TileCutter(const ClusterTree& tree, std::span<const double> leaf_area,
-             std::span<const FormFactorRow* const> rows, std::uint32_t rays)
-      : tree_(tree),
-        leaf_area_(leaf_area),
-        union_(unite(rows)),
-        pooled_(union_.leaves.size(), 0.0),
-        rays_(double(rays) * double(rows.size())) {
-    for (std::size_t i = 0; i < pooled_.size(); ++i) {
-      for (std::size_t r = 0; r < rows.size(); ++r) pooled_[i] += value(i, r) / double(rows.size());
+const ProbeValues& room_weights(const Probing& probing, const FormFactorRow& row) {
+  static constexpr ProbeValues kNothing{};
+  std::map<std::uint32_t, float> sums;
+  for (std::size_t i = 0; i < row.senders.size() && row.senders[i] < probing.rooms.size(); ++i)
+    sums[probing.rooms[row.senders[i]]] += row.values[i];
+  const auto most = std::max_element(sums.begin(), sums.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == sums.end() ? kNothing : probing.weights[most->first];
+}
+
+TileCutter::TileCutter(const ClusterTree& tree, const Probing& probing)
+    : tree_(tree), probing_(probing), seen_(probing.senders.size()), place_(probing.senders.size()) {}
+
+void TileCutter::unite(std::span<const FormFactorRow* const> rows) {
+  for (const FormFactorRow* row : rows) {
+    for (const auto sender : row->senders) seen_.insert(sender);
+  }
+  leaves_.clear();
+  seen_.drain([&](std::uint32_t sender) {
+    place_[sender] = std::uint32_t(leaves_.size());
+    leaves_.push_back(sender);
+  });
+  rows_ = rows.size();
+  factors_.assign(leaves_.size() * rows_, 0.0f);
+  for (std::size_t r = 0; r < rows_; ++r) {
+    for (std::size_t i = 0; i < rows[r]->senders.size(); ++i)
+      factors_[place_[rows[r]->senders[i]] * rows_ + r] = rows[r]->values[i];
+  }
+}
+
+void TileCutter::sum_up(std::span<const FormFactorRow* const> rows) {
+  factor_sums_.assign(rows_, 0.0f);
+  factor_sums_.resize((leaves_.size() + 1) * rows_);
+  light_sums_.assign(rows_, ProbeValues{});
+  light_sums_.resize((leaves_.size() + 1) * rows_);
+  for (std::size_t i = 0; i < leaves_.size(); ++i) {
+    const ProbeValues& radiosity = probing_.senders[leaves_[i]];
+    for (std::size_t r = 0; r < rows_; ++r) {
+      const std::size_t at = i * rows_ + r;
+      factor_sums_[at + rows_] = factor_sums_[at] + factors_[at];
+      for (std::size_t p = 0; p < kProbes; ++p)
+        light_sums_[at + rows_][p] = light_sums_[at][p] + factors_[at] * radiosity[p];
     }
   }
+  weights_.clear();
+  for (const FormFactorRow* row : rows) weights_.push_back(room_weights(probing_, *row));
+  added_errors_.assign(rows_, ProbeValues{});
+  squared_errors_ = 0.0;
+}
 
-  CutTile cut(const CutLimits& limits) {
-    std::priority_queue<Candidate> open;
-    std::vector<Candidate> kept;
-    for (const auto root : tree_.roots) push(root, 0, union_.leaves.size(), open, kept);
-    const double enough = limits.error * total();
-    while (!open.empty()) {
-      const Candidate worst = open.top();
-      if (limits.budget > 0 ? open.size() + kept.size() >= limits.budget : worst.spread <= enough) break;
-      if (worst.spread <= 0.0) break;
-      open.pop();
-      const std::uint32_t left = tree_.nodes[worst.node].left;
-      push(left, worst.first, worst.last, open, kept);
-      push(left + 1, worst.first, worst.last, open, kept);
+TileCutter::Candidate TileCutter::candidate(std::uint32_t node, std::size_t first, std::size_t last) const {
+  const TreeNodeRange& range = tree_.nodes[node];
+  const auto begin = leaves_.begin() + std::ptrdiff_t(first), end = leaves_.begin() + std::ptrdiff_t(last);
+  Candidate result{0.0f, node, std::size_t(std::lower_bound(begin, end, range.first) - leaves_.begin()),
+                   std::size_t(std::lower_bound(begin, end, range.first + range.count) - leaves_.begin())};
+  if (range.count == 1 || result.first == result.last) return result;
+  const ProbeValues& mean = probing_.nodes[node];
+  for (std::size_t r = 0; r < rows_; ++r) {
+    const std::size_t before = result.first * rows_ + r, after = result.last * rows_ + r;
+    const float factor = factor_sums_[after] - factor_sums_[before];
+    for (std::size_t p = 0; p < kProbes; ++p) {
+      const float error =
+          (light_sums_[after][p] - light_sums_[before][p] - factor * mean[p]) * weights_[r][p];
+      result.squared_error += error * error;
     }
-    for (; !open.empty(); open.pop()) kept.push_back(open.top());
-    return finish(std::move(kept));
   }
+  return result;
+}
 
- private:
-  double total() const {
-    double sum = 0.0;
-    for (const double v : pooled_) sum += v;
-    return sum;
+void TileCutter::book(const Candidate& c, float sign) {
+  squared_errors_ += double(sign * c.squared_error);
+  if (tree_.nodes[c.node].count == 1) return;
+  const ProbeValues& mean = probing_.nodes[c.node];
+  for (std::size_t r = 0; r < rows_; ++r) {
+    const std::size_t before = c.first * rows_ + r, after = c.last * rows_ + r;
+    const float factor = factor_sums_[after] - factor_sums_[before];
+    for (std::size_t p = 0; p < kProbes; ++p) {
+      added_errors_[r][p] +=
+          sign * (light_sums_[after][p] - light_sums_[before][p] - factor * mean[p]) * weights_[r][p];
+    }
   }
+}
 
-  /// A node that no row sees is dropped; a leaf, or a node of which one leaf is seen and fills it, is kept
-  /// for good.
-  void push(std::uint32_t node, std::size_t first, std::size_t last, std::priority_queue<Candidate>& open,
-            std::vector<Candidate>& kept) const {
-    const TreeNodeRange& range = tree_.nodes[node];
-    const auto begin = union_.leaves.begin();
-    Candidate c{0.0, node,
-                std::size_t(std::lower_bound(begin + std::ptrdiff_t(first), begin + std::ptrdiff_t(last),
-                                             range.first) -
-                            begin),
-                0};
-    c.last = std::size_t(std::lower_bound(begin + std::ptrdiff_t(c.first), begin + std::ptrdiff_t(last),
-                                          range.first + range.count) -
-                         begin);
+float TileCutter::tile_error() const {
+  float added = 0.0f;
+  for (const ProbeValues& row : added_errors_) {
+    for (const float error : row) added += error * error;
+  }
+  return std::sqrt(std::max(float(squared_errors_), added) / float(rows_ * kProbes));
+}
+
+CutTile TileCutter::cut(std::span<const FormFactorRow* const> rows, const CutLimits& limits) {
+  unite(rows);
+  sum_up(rows);
+  std::priority_queue<Candidate> open;
+  std::vector<Candidate> kept;
+  const auto push = [&](std::uint32_t node, std::size_t first, std::size_t last) {
+    const Candidate c = candidate(node, first, last);
     if (c.first == c.last) return;
-    if (range.count == 1) {
-      kept.push_back(c);
-      return;
-    }
-    c.spread = spread(range, c);
-    open.push(c);
+    book(c, 1.0f);
+    if (tree_.nodes[node].count == 1) kept.push_back(c);
+    if (tree_.nodes[node].count > 1) open.push(c);
+  };
+  for (const auto root : tree_.roots) push(root, 0, leaves_.size());
+  while (!open.empty() && open.top().squared_error > 0.0f) {
+    if (limits.budget > 0 ? open.size() + kept.size() >= limits.budget : tile_error() <= float(limits.error))
+      break;
+    const Candidate worst = open.top();
+    open.pop();
+    book(worst, -1.0f);
+    const std::uint32_t left = tree_.nodes[worst.node].left;
+    push(left, worst.first, worst.last);
+    push(left + 1, worst.first, worst.last);
   }
+  for (; !open.empty(); open.pop()) kept.push_back(open.top());
+  return finish(std::move(kept), rows);
+}
 
-  /// Of the mean of the rows: neighbours see nearly the same, and their rays together tell noise from walls.
-  double spread(const TreeNodeRange& range, const Candidate& c) const {
-    double area = 0.0, sum = 0.0;
-    for (std::uint32_t i = 0; i < range.count; ++i) area += leaf_area_[range.first + i];
-    for (std::size_t i = c.first; i < c.last; ++i) sum += pooled_[i];
-    double deviation = 0.0, seen = 0.0, noise = 0.0;
-    for (std::size_t i = c.first; i < c.last; ++i) {
-      const double share = leaf_area_[union_.leaves[i]] / area;
-      deviation += std::abs(pooled_[i] - sum * share);
-      noise += mean_deviation(sum * share * rays_);
-      seen += share;
-    }
-    const double unseen = std::max(0.0, 1.0 - seen);
-    const double unseen_leaves = double(range.count) - double(c.last - c.first);
-    if (unseen_leaves > 0.0) noise += unseen_leaves * mean_deviation(sum * unseen / unseen_leaves * rays_);
-    // Where rays are few against leaves, noise hides what a finer node would show.
-    constexpr double kAtLeast = 0.25;
-    const double found = deviation + sum * unseen;
-    return std::max(kAtLeast * found, found - noise / rays_);
-  }
-
-  double value(std::size_t leaf, std::size_t row) const { return union_.values[leaf * union_.rows + row]; }
-
-  CutTile finish(std::vector<Candidate> kept) const {
-    std::sort(kept.begin(), kept.end(),
-              [](const Candidate& a, const Candidate& b) { return a.first < b.first; });
-    CutTile tile;
-    tile.values.resize(union_.rows);
+CutTile TileCutter::finish(std::vector<Candidate> kept, std::span<const FormFactorRow* const> rows) const {
+  std::sort(kept.begin(), kept.end(),
+            [](const Candidate& a, const Candidate& b) { return a.first < b.first; });
+  CutTile tile;
+  for (const Candidate& c : kept) tile.nodes.push_back(c.node);
+  tile.values.resize(rows.size());
+  for (std::size_t r = 0; r < rows.size(); ++r) {
     for (const Candidate& c : kept) {
-      tile.nodes.push_back(c.node);
-      if (tree_.nodes[c.node].count > 1) tile.spread += float(c.spread);
-      for (std::size_t r = 0; r < union_.rows; ++r) {
-        double sum = 0.0;
-        for (std::size_t i = c.first; i < c.last; ++i) sum += value(i, r);
-        tile.values[r].push_back(float(sum));
-      }
+      double sum = 0.0;
+      for (std::size_t i = c.first; i < c.last; ++i) sum += double(factors_[i * rows_ + r]);
+      tile.values[r].push_back(float(sum));
     }
-    return tile;
+    float squares = 0.0f;
+    for (const float error : added_errors_[r]) squares += error * error;
+    tile.error.push_back(std::sqrt(squares / float(kProbes)));
   }
-
-  const ClusterTree& tree_;
-  std::span<const double> leaf_area_;
-  Union union_;
-  std::vector<double> pooled_;  ///< per leaf of the union: mean over the rows
-  double rays_;                 ///< of all rows together
-};
-
-}  // namespace
-
-CutTile cut_tile(const ClusterTree& tree, std::span<const double> leaf_area,
-                 std::span<const FormFactorRow* const> rows, std::uint32_t rays, const CutLimits& limits) {
-  return TileCutter(tree, leaf_area, rows, rays).cut(limits);
+  return tile;
 }
 
 }  // namespace relume

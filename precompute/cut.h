@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "precompute/cluster_tree.h"
+#include "precompute/probing.h"
 #include "precompute/row_tracer.h"
+#include "precompute/sender_set.h"
 
 namespace relume {
 
@@ -17,21 +19,54 @@ struct CutTile {
   std::vector<std::uint32_t> nodes;  ///< of ClusterTree, ascending by first leaf, disjoint; their leaves hold
                                      ///< every form factor of the rows
   std::vector<std::vector<float>>
-      values;           ///< [row][node]: sum of the row's form factors over the leaves of the node
-  float spread = 0.0f;  ///< of all kept nodes: what the cut approximates, as a share of the hemisphere
+      values;                ///< [row][node]: sum of the row's form factors over the leaves of the node
+  std::vector<float> error;  ///< [row]: of its irradiance by what the nodes hide, relative to its room's,
+                             ///< estimated from the probes
 };
 
 struct CutLimits {
   std::uint32_t budget = 0;  ///< nodes per tile; 0 = as many as the error asks for. A tile that sees more
                              ///< roots than this keeps its roots.
-  double error = 0.0;  ///< refine until no node's spread is larger than this share of the rows' mean sum
+  double error = 0.0;        ///< refine until the estimate of the tile is no larger
 };
 
-/// Starts from the roots and refines the node of largest spread. The spread of a node n is sum_j |F_j - F_n
-/// A_j / A_n| over its leaves j, F the mean of the tile's rows, less what sampling noise alone would make of
-/// it with `rays` rays a row, but at least a quarter of it: it is large where the tile sees only a part of
-/// the node (through a door, past a wall) and where the node is near. `leaf_area` per leaf.
-CutTile cut_tile(const ClusterTree& tree, std::span<const double> leaf_area,
-                 std::span<const FormFactorRow* const> rows, std::uint32_t rays, const CutLimits& limits);
+/// One per thread: holds the sums that a tile is cut by.
+class TileCutter {
+ public:
+  /// Borrows both.
+  TileCutter(const ClusterTree& tree, const Probing& probing);
+
+  /// Starts from the roots and refines the node whose mean radiosity, in place of those of its leaves,
+  /// changes the irradiance of the rows most: sum_j F_j (b_j - b_n) for each row and probe, relative to the
+  /// irradiance of the room that the row lies in; errors of nodes count as independent, and as what they add
+  /// up to if that is more. Where all of a node looks alike it stays whole, however near it is.
+  CutTile cut(std::span<const FormFactorRow* const> rows, const CutLimits& limits);
+
+ private:
+  struct Candidate;
+  void unite(std::span<const FormFactorRow* const> rows);
+  void sum_up(std::span<const FormFactorRow* const> rows);
+  Candidate candidate(std::uint32_t node, std::size_t first, std::size_t last) const;
+  /// Adds a node's errors to what the tile has so far, or (-1) takes them away.
+  void book(const Candidate& candidate, float sign);
+  float tile_error() const;
+  CutTile finish(std::vector<Candidate> kept, std::span<const FormFactorRow* const> rows) const;
+
+  const ClusterTree& tree_;
+  const Probing& probing_;
+  SenderSet seen_;
+  std::vector<std::uint32_t> leaves_;  ///< that any row of the tile sees, ascending
+  std::vector<std::uint32_t> place_;   ///< per sender: in leaves_
+  std::size_t rows_ = 0;
+  std::vector<float> factors_;             ///< [leaf][row]
+  std::vector<float> factor_sums_;         ///< [leaf][row]: of all leaves before
+  std::vector<ProbeValues> light_sums_;    ///< [leaf][row]: of form factor x radiosity of all leaves before
+  std::vector<ProbeValues> weights_;       ///< [row]
+  std::vector<ProbeValues> added_errors_;  ///< [row]: of all nodes kept so far
+  double squared_errors_ = 0.0;            ///< of all nodes kept so far, over rows and probes
+};
+
+/// The weights of the room that a row lies in: the one that it sees most of. All 0 where it sees none.
+const ProbeValues& room_weights(const Probing& probing, const FormFactorRow& row);
 
 }  // namespace relume

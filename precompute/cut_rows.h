@@ -8,18 +8,16 @@
 #include <vector>
 
 #include "precompute/cut.h"
-#include "precompute/number_senders.h"
 
 namespace relume {
 
 struct TileCutOptions {
-  std::uint32_t rows = 8;    ///< of a tile; the last may have fewer
-  std::uint32_t budget = 0;  ///< nodes of a tile
-  std::uint32_t rays = 0;    ///< of a row, about
+  std::uint32_t rows = 8;  ///< of a tile; the last may have fewer
+  CutLimits limits;
 };
 
 /// Tiles in the order of their rows; in the calling task arena, the same for any number of threads.
-std::vector<CutTile> cut_rows(const SenderTree& senders, std::span<const FormFactorRow* const> rows,
-                              const TileCutOptions& options);
+std::vector<CutTile> cut_rows(const ClusterTree& tree, const Probing& probing,
+                              std::span<const FormFactorRow* const> rows, const TileCutOptions& options);
 
 }  // namespace relume

@@ -56,7 +56,7 @@ void fill_connections(const Connections& connections, const SobolPoints& points,
                       std::uint32_t first, ConnectionPacket& packet) {
   const AreaSampler& receiver = connections.receiver.origins();
   SampleLanes samples;
-  draw_origins(points, key, first, receiver, samples, packet.origins);
+  draw_origins(points, key, connections.area_first + first, receiver, samples, packet.origins);
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     float u = samples.coordinate[0][lane];
     const std::size_t chosen = connections.choice.choose(u);

@@ -38,12 +38,13 @@ struct Connections {
   const Emitters& emitters;
   const EmitterChoice& choice;
   std::uint32_t ray_count = 0;   ///< over the hemisphere
+  std::uint32_t area_first = 0;  ///< where in the sequence their samples begin; a multiple of kLanes
   std::uint32_t area_count = 0;  ///< over all emitters
   float offset = 0.0f;           ///< m, what points are lifted by
 };
 
-/// Samples [first, first + kLanes) of the sequence that belongs to `key`; those from area_count on are not
-/// used.
+/// Samples [first, first + kLanes), counted from area_first on, of the sequence that belongs to `key`; those
+/// from area_count on are not used.
 void fill_connections(const Connections& connections, const SobolPoints& points, std::uint64_t key,
                       std::uint32_t first, ConnectionPacket& packet);
 

@@ -81,6 +81,14 @@ Emitters find_emitters(const Geometry& geometry, const std::vector<Chart>& chart
   return emitters;
 }
 
+void renumber(const std::vector<std::uint32_t>& numbers, Emitters& emitters) {
+  std::fill(emitters.of_cluster.begin(), emitters.of_cluster.end(), kNone);
+  for (std::uint32_t e = 0; e < emitters.list.size(); ++e) {
+    emitters.list[e].cluster = numbers[emitters.list[e].cluster];
+    emitters.of_cluster[emitters.list[e].cluster] = e;
+  }
+}
+
 std::size_t EmitterChoice::choose(float& u) const {
   const auto found = std::upper_bound(cumulative.begin(), cumulative.end() - 1, double(u));
   const auto index = std::size_t(found - cumulative.begin());

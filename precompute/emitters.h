@@ -35,6 +35,9 @@ Emitters find_emitters(const Geometry& geometry, const std::vector<Chart>& chart
                        const std::vector<ClusteredSurface>& systems, const std::vector<bool>& material_emits,
                        const std::vector<bool>& node_emits);
 
+/// Clusters have new numbers: `numbers` per old one.
+void renumber(const std::vector<std::uint32_t>& numbers, Emitters& emitters);
+
 /// How often area samples go to each emitter: in proportion to an upper estimate of its unoccluded form
 /// factor.
 struct EmitterChoice {

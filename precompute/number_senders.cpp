@@ -6,48 +6,14 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
-#include <numeric>
+#include <map>
+#include <utility>
 
 #include "core/sky.h"
 #include "precompute/sender_set.h"
 
 namespace relume {
 namespace {
-
-/// Sets of clusters that are joined one pair after the other.
-class JoinedSets {
- public:
-  explicit JoinedSets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
-  }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  /// The smaller number stands for the set.
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a), b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
-std::vector<std::uint32_t> find_rooms(const std::vector<ClusteredSurface>& surfaces,
-                                      const std::vector<SystemRows>& rows, std::uint32_t cluster_count) {
-  JoinedSets sets(cluster_count);
-  for (std::size_t s = 0; s < rows.size(); ++s) {
-    for (std::uint32_t c = 0; c < rows[s].clusters.size(); ++c) {
-      for (const auto sender : rows[s].clusters[c].senders) {
-        if (sender < cluster_count) sets.join(surfaces[s].first_cluster + c, sender);
-      }
-    }
-  }
-  std::vector<std::uint32_t> rooms(cluster_count);
-  for (std::uint32_t c = 0; c < cluster_count; ++c) rooms[c] = sets.find(c);
-  return rooms;
-}
 
 std::vector<TreeLeaf> leaves_of(const ClusteredSurface& surface, const Emitters& emitters,
                                 const std::vector<std::uint32_t>& rooms) {
@@ -59,11 +25,14 @@ std::vector<TreeLeaf> leaves_of(const ClusteredSurface& surface, const Emitters&
     leaf.centroid += element.area * element.position;
     leaf.normal += element.area * element.normal;
   }
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> groups;
   for (std::uint32_t c = 0; c < leaves.size(); ++c) {
     const std::uint32_t cluster = surface.first_cluster + c;
     leaves[c].centroid /= leaves[c].area;
     leaves[c].normal /= leaves[c].area;
-    leaves[c].group = 2 * rooms[cluster] + (emitters.of_cluster[cluster] != kNone ? 1u : 0u);
+    const std::uint32_t emitter = emitters.of_cluster[cluster];
+    const std::uint32_t emits = emitter != kNone ? emitters.list[emitter].material : kNone;
+    leaves[c].group = groups.insert({{rooms[cluster], emits}, std::uint32_t(groups.size())}).first->second;
   }
   return leaves;
 }
@@ -78,7 +47,7 @@ std::vector<T> in_order(const std::vector<T>& values, const std::vector<std::uin
 /// Gives the entries of rows new numbers; one per thread.
 class Renumbering {
  public:
-  /// `numbers` per old sender: the new one; kNone where no row sees it.
+  /// `numbers` per old sender: the new one.
   explicit Renumbering(const std::vector<std::uint32_t>& numbers)
       : numbers_(numbers), values_(numbers.size(), 0.0f), used_(numbers.size()) {}
 
@@ -101,16 +70,10 @@ class Renumbering {
   SenderSet used_;
 };
 
-void renumber(const std::vector<std::uint32_t>& numbers, std::vector<FormFactorRow>& rows) {
-  tbb::enumerable_thread_specific<Renumbering> renumberings([&] { return Renumbering(numbers); });
-  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t i) { renumberings.local().apply(rows[i]); });
-}
-
 /// The clusters of one system; `numbers` gets the new ones.
-void number_clusters(const Emitters& emitters, const std::vector<std::uint32_t>& old_rooms,
-                     ClusteredSurface& surface, SystemRows& rows, SenderTree& senders,
-                     std::vector<std::uint32_t>& numbers) {
-  const std::vector<TreeLeaf> leaves = leaves_of(surface, emitters, old_rooms);
+void number_clusters(const Emitters& emitters, const std::vector<std::uint32_t>& rooms,
+                     ClusteredSurface& surface, SenderTree& senders, std::vector<std::uint32_t>& numbers) {
+  const std::vector<TreeLeaf> leaves = leaves_of(surface, emitters, rooms);
   const std::vector<std::uint32_t> order = tree_order(leaves);
   append_tree(in_order(leaves, order), surface.first_cluster, senders.tree);
   for (std::uint32_t i = 0; i < order.size(); ++i) {
@@ -119,65 +82,56 @@ void number_clusters(const Emitters& emitters, const std::vector<std::uint32_t>&
   }
   for (auto& cluster : surface.cluster)
     cluster = numbers[surface.first_cluster + cluster] - surface.first_cluster;
-  std::vector<FormFactorRow> ordered(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) ordered[i] = std::move(rows.clusters[order[i]]);
-  rows.clusters = std::move(ordered);
 }
 
-std::vector<bool> seen_senders(std::size_t count, const std::vector<SystemRows>& rows,
-                               const std::vector<FormFactorRow>& sensor_rows) {
-  std::vector<bool> seen(count, false);
-  const auto mark = [&](const std::vector<FormFactorRow>& some) {
-    for (const FormFactorRow& row : some) {
-      for (const auto sender : row.senders) seen[sender] = true;
-    }
-  };
-  for (const SystemRows& system : rows) {
-    mark(system.clusters);
-    mark(system.elements);
-  }
-  mark(sensor_rows);
-  return seen;
-}
-
-void number_sky(const std::vector<bool>& seen, std::uint32_t cluster_count, std::uint32_t sky_resolution,
-                SenderTree& senders, std::vector<std::uint32_t>& numbers) {
-  std::vector<std::uint32_t> cells;
+void number_sky(std::uint32_t cluster_count, SenderTree& senders, std::vector<std::uint32_t>& numbers) {
   std::vector<TreeLeaf> leaves;
-  for (std::uint32_t cell = 0; cell < 6 * sky_resolution * sky_resolution; ++cell) {
-    if (!seen[cluster_count + cell]) continue;
-    cells.push_back(cell);
-    leaves.push_back({glm::vec3(sky_cell_direction(cell, sky_resolution)), glm::vec3(0.0f),
-                      float(sky_cell_solid_angle(cell, sky_resolution)), 0});
+  const std::uint32_t resolution = senders.sky_resolution;
+  for (std::uint32_t cell = 0; cell < 6 * resolution * resolution; ++cell) {
+    leaves.push_back({glm::vec3(sky_cell_direction(cell, resolution)), glm::vec3(0.0f),
+                      float(sky_cell_solid_angle(cell, resolution)), 0});
   }
   const std::vector<std::uint32_t> order = tree_order(leaves);
   append_tree(in_order(leaves, order), cluster_count, senders.tree);
   for (std::uint32_t i = 0; i < order.size(); ++i) {
-    numbers[cluster_count + cells[order[i]]] = cluster_count + i;
+    numbers[cluster_count + order[i]] = cluster_count + i;
     senders.weights.push_back(leaves[order[i]].area);
-    senders.sky_cells.push_back(cells[order[i]]);
+    senders.sky_cells.push_back(order[i]);
   }
 }
 
 }  // namespace
 
-SenderTree number_senders(const Emitters& emitters, std::uint32_t sky_resolution,
-                          std::vector<ClusteredSurface>& surfaces, std::vector<SystemRows>& rows,
-                          std::vector<FormFactorRow>& sensor_rows) {
-  const std::uint32_t cluster_count = surfaces.back().first_cluster + surfaces.back().cluster_count;
-  const std::vector<std::uint32_t> rooms = find_rooms(surfaces, rows, cluster_count);
-  std::vector<std::uint32_t> numbers(cluster_count + 6 * sky_resolution * sky_resolution, kNone);
-  const std::vector<bool> seen = seen_senders(numbers.size(), rows, sensor_rows);
+SenderTree plain_senders(std::uint32_t sky_resolution, const std::vector<ClusteredSurface>& surfaces) {
   SenderTree senders;
-  for (std::size_t s = 0; s < surfaces.size(); ++s)
-    number_clusters(emitters, rooms, surfaces[s], rows[s], senders, numbers);
-  number_sky(seen, cluster_count, sky_resolution, senders, numbers);
-  for (SystemRows& system : rows) {
-    renumber(numbers, system.clusters);
-    renumber(numbers, system.elements);
+  senders.sky_resolution = sky_resolution;
+  for (const ClusteredSurface& surface : surfaces) {
+    senders.weights.resize(surface.first_cluster + surface.cluster_count, 0.0);
+    for (std::size_t e = 0; e < surface.cluster.size(); ++e)
+      senders.weights[surface.first_cluster + surface.cluster[e]] += surface.surface.elements[e].area;
   }
-  renumber(numbers, sensor_rows);
+  for (std::uint32_t cell = 0; cell < 6 * sky_resolution * sky_resolution; ++cell) {
+    senders.weights.push_back(sky_cell_solid_angle(cell, sky_resolution));
+    senders.sky_cells.push_back(cell);
+  }
+  for (std::uint32_t i = 0; i < senders.weights.size(); ++i) senders.tree.nodes.push_back({i, 1, 0});
   return senders;
+}
+
+SenderTree number_senders(const Emitters& emitters, const std::vector<std::uint32_t>& rooms,
+                          std::uint32_t sky_resolution, std::vector<ClusteredSurface>& surfaces,
+                          std::vector<std::uint32_t>& numbers) {
+  SenderTree senders;
+  senders.sky_resolution = sky_resolution;
+  numbers.assign(rooms.size() + 6 * sky_resolution * sky_resolution, kNone);
+  for (ClusteredSurface& surface : surfaces) number_clusters(emitters, rooms, surface, senders, numbers);
+  number_sky(std::uint32_t(rooms.size()), senders, numbers);
+  return senders;
+}
+
+void renumber(const std::vector<std::uint32_t>& numbers, std::vector<FormFactorRow>& rows) {
+  tbb::enumerable_thread_specific<Renumbering> renumberings([&] { return Renumbering(numbers); });
+  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t i) { renumberings.local().apply(rows[i]); });
 }
 
 }  // namespace relume

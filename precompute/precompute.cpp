@@ -7,22 +7,24 @@
 #include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numeric>
+#include <optional>
 
-#include "core/sky.h"
 #include "precompute/arena_threads.h"
 #include "precompute/assemble_model.h"
-#include "precompute/clusters.h"
+#include "precompute/clearance.h"
 #include "precompute/lift_sensor.h"
 #include "precompute/rig.h"
-#include "precompute/rows.h"
+#include "precompute/trace_rows.h"
 
 namespace relume {
 namespace {
 
-constexpr double kDefaultLumels = 40000.0;
-constexpr double kDefaultClusters = 4000.0;
 constexpr std::uint32_t kSkyResolution = 8;
-constexpr std::uint32_t kMinSensorQuality = 4096;
+/// Clusters are made anew while their error is estimated so many times as large as its share of the target, a
+/// few times at most.
+constexpr double kEnough = 1.1;
+constexpr int kMostAttempts = 3;
 constexpr std::uint32_t kMaxQuality = 1u << 20;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -39,7 +41,10 @@ Result<void> check_options(const PrecomputeOptions& options) {
     return bad(fmt::format("cluster size {}: expected a length in metres above 0 (or 0 for automatic)",
                            options.cluster_size));
   }
-  if (options.quality < 8 || options.quality > kMaxQuality) {
+  if (!(options.error >= 0.0 && options.error < 1.0)) {
+    return bad(fmt::format("error {}: expected above 0 and below 1 (5% or 0.05)", options.error));
+  }
+  if (options.quality != 0 && (options.quality < 8 || options.quality > kMaxQuality)) {
     return bad(fmt::format("quality {}: expected 8 to {} rays per lumel", options.quality, kMaxQuality));
   }
   if (!(options.max_albedo > 0.0 && options.max_albedo <= 0.9999)) {
@@ -48,61 +53,18 @@ Result<void> check_options(const PrecomputeOptions& options) {
   return {};
 }
 
-/// Sizes that were not asked for follow the scene's area; two significant digits, so that the number means
-/// something to a reader.
-double two_digits(double value) {
-  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
-  return std::ceil(value / unit) * unit;
-}
-
-void choose_sizes(const PrecomputeOptions& options, const Geometry& geometry, PrecomputeReport& report) {
-  const double area = std::max(geometry.area, 1e-12);
-  report.cluster_size =
-      options.cluster_size > 0.0 ? options.cluster_size : two_digits(std::sqrt(area / kDefaultClusters));
-  report.texel_size =
-      options.texel_size > 0.0 ? options.texel_size : two_digits(std::sqrt(area / kDefaultLumels));
-  if (options.texel_size <= 0.0) report.texel_size = std::min(report.texel_size, report.cluster_size);
-  if (report.cluster_size < report.texel_size) report.cluster_size = report.texel_size;
-}
-
-std::vector<ClusteredSurface> make_surfaces(const Scene& scene, const Geometry& geometry,
-                                            const std::vector<Chart>& charts,
-                                            const std::vector<SystemLayout>& layouts, const RayCaster& caster,
-                                            PrecomputeReport& report) {
-  std::vector<ClusteredSurface> surfaces;
-  const auto sizes = texel_sizes(scene, report.texel_size);
-  std::uint32_t first = 0;
-  for (const SystemLayout& layout : layouts) {
-    ClusteredSurface surface;
-    surface.surface = make_elements(geometry, charts, layout, caster);
-    surface.cluster =
-        make_clusters(geometry, charts, layout, surface.surface, caster, sizes, report.cluster_size);
-    for (const auto c : surface.cluster) surface.cluster_count = std::max(surface.cluster_count, c + 1);
-    surface.first_cluster = first;
-    first += surface.cluster_count;
-    report.occlusion_rays += surface.surface.occlusion_rays;
-    surfaces.push_back(std::move(surface));
-  }
-  return surfaces;
-}
-
-Emitters possible_emitters(const Scene& scene, const Geometry& geometry, const std::vector<Chart>& charts,
-                           const std::vector<ClusteredSurface>& surfaces) {
-  std::vector<bool> materials, nodes;
-  for (const SceneMaterial& m : scene.materials) {
-    materials.push_back(!m.unlit && (m.emission.r > 0.0 || m.emission.g > 0.0 || m.emission.b > 0.0));
-  }
-  for (const SceneNode& n : scene.nodes) nodes.push_back(n.extras.emitter.value_or(false));
-  return find_emitters(geometry, charts, surfaces, materials, nodes);
-}
-
 std::string options_json(const PrecomputeOptions& options, const PrecomputeReport& report,
-                         const RowOptions& rows) {
+                         const RowPlan& plan) {
   constexpr std::array<const char*, 3> kCodecs{"f32", "unorm16", "sqrt8"};
+  const std::string reached =
+      options.error > 0.0
+          ? fmt::format(R"(,"estimated":{{"clusters":{:.3g},"rays":{:.3g},"cut":{:.3g},"precision":{:.3g}}})",
+                        report.error.clusters, report.error.rays, report.error.cut, report.error.precision)
+          : "";
   return fmt::format(
-      R"({{"texel_size":{},"cluster_size":{},"quality":{},"sensor_quality":{},"budget":{},"codec":"{}","max_albedo":{},"seed":{}}})",
-      report.texel_size, report.cluster_size, rows.quality, rows.sensor_quality, options.budget,
-      kCodecs[std::size_t(options.codec)], options.max_albedo, options.seed);
+      R"({{"error":{},"texel_size":{},"cluster_size":{},"quality":{},"sensor_quality":{},"budget":{},"codec":"{}","max_albedo":{},"seed":{}{}}})",
+      options.error, report.texel_size, report.cluster_size, plan.lumels.rays, plan.sensors.rays,
+      options.budget, kCodecs[std::size_t(plan.codec)], options.max_albedo, options.seed, reached);
 }
 
 void add_sensors(const PrecomputeOptions& options, Model& model) {
@@ -113,72 +75,146 @@ void add_sensors(const PrecomputeOptions& options, Model& model) {
   }
 }
 
+double root_mean_square(const std::vector<CutTile>& tiles) {
+  double squares = 0.0, count = 0.0;
+  for (const CutTile& tile : tiles) {
+    for (const float error : tile.error) squares += double(error) * double(error), count += 1.0;
+  }
+  return count > 0.0 ? std::sqrt(squares / count) : 0.0;
+}
+
+void estimate_errors(const TracedRows& rows, const Survey& survey, PrecomputeReport& report) {
+  double squares = 0.0, count = 0.0;
+  for (const SystemRows& system : rows.systems) {
+    for (const RowRays& rays : system.element_rays)
+      squares += double(rays.noise) * double(rays.noise), count += 1.0;
+  }
+  report.error.clusters = survey.probing.cluster_error;
+  report.error.rays = count > 0.0 ? std::sqrt(squares / count) : 0.0;
+  for (const SystemTiles& tiles : rows.tiles)
+    report.error.cut = std::max(report.error.cut, root_mean_square(tiles.lumels));
+}
+
+/// What rows are traced against, with clusters of one choice of sizes.
+struct Preparation {
+  Emitters emitters;
+  SenderLookup lookup;
+  RowScene rows;
+  std::optional<Survey> survey;
+
+  Preparation(const Scene& scene, const Surfaces& surfaces, const RayCaster& caster, std::uint64_t seed)
+      : emitters(possible_emitters(scene, surfaces)),
+        lookup(surfaces.geometry, surfaces.charts, surfaces.layouts, surfaces.systems, caster),
+        rows{surfaces.geometry,        caster,         lookup, emitters,
+             surfaces.cluster_count(), kSkyResolution, {},     seed} {
+    rows.sky_senders.resize(6 * kSkyResolution * kSkyResolution);
+    std::iota(rows.sky_senders.begin(), rows.sky_senders.end(), surfaces.cluster_count());
+  }
+  Preparation(const Preparation&) = delete;
+};
+
+/// Clusters, and a survey where rows will be cut; with a target, clusters as small as it asks for.
+Result<void> prepare(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
+                     const RowPlan& plan, const ProgressObserver& observer, Surfaces& surfaces,
+                     std::optional<Preparation>& prepared, RowCounts& counts, PrecomputeReport& report) {
+  std::vector<std::vector<float>> known;
+  if (plan.clearance_share > 0.0) {
+    for (const ClusteredSurface& system : surfaces.systems)
+      known.push_back(clearances(surfaces.geometry, caster, surfaces.charts, system.surface));
+  }
+  double share = plan.clearance_share;
+  for (int attempt = 0;; ++attempt) {
+    cluster_surfaces(scene, caster, report, share, known, surfaces);
+    prepared.emplace(scene, surfaces, caster, options.seed);
+    if (!plan.cut) return {};
+    auto surveyed = survey(prepared->rows, surfaces.charts, surfaces.systems, prepared->lookup,
+                           prepared->emitters, counts, observer);
+    if (!surveyed) return tl::unexpected(surveyed.error());
+    prepared->survey = std::move(*surveyed);
+    const double excess =
+        prepared->survey->probing.cluster_error / std::max(kClusterShare * options.error, 1e-9);
+    if (share <= 0.0 || excess <= kEnough || attempt == kMostAttempts) return {};
+    share *= std::max(0.4, 1.0 / excess);
+  }
+}
+
+void allocate_rays(const Surfaces& surfaces, const PrecomputeOptions& options, const Preparation& prepared,
+                   RowCounts& counts, RowPlan& plan) {
+  plan.lumels.probing = plan.sensors.probing = prepared.survey ? &prepared.survey->probing : nullptr;
+  if (!plan.adaptive) return;
+  plan.lumels.exchange = find_exchange(prepared.rows, surfaces.charts, surfaces.systems, plan.lumels,
+                                       kRayShare * options.error, counts);
+  if (plan.sensors.least < plan.sensors.rays) plan.sensors.exchange = plan.lumels.exchange;
+}
+
 Result<Model> build(const Scene& scene, const PrecomputeOptions& options, PrecomputeReport& report,
                     const ProgressObserver& observer) {
   const auto start = std::chrono::steady_clock::now();
   if (scene.triangles.empty())
     return fail(ErrorCode::bad_input, fmt::format("{}: no static triangles to precompute", scene.file_name));
-  const Geometry geometry = make_geometry(scene);
-  choose_sizes(options, geometry, report);
-  auto caster = RayCaster::create(geometry.positions, geometry.triangles);
+  Geometry geometry = make_geometry(scene);
+  const auto caster = RayCaster::create(geometry.positions, geometry.triangles);
   if (!caster) return tl::unexpected(caster.error());
   if (observer && !observer("surfaces", 0.0))
     return fail(ErrorCode::cancelled, "stopped before the surfaces were cut");
-  const auto charts = make_charts(scene, geometry, report.texel_size, report.warnings);
-  const auto layouts = lay_out_systems(scene, geometry, charts);
-  if (!layouts) return tl::unexpected(layouts.error());
-  if (layouts->empty())
-    return fail(ErrorCode::bad_input,
-                fmt::format("{}: every node says receiver \"none\"; nothing is left to receive light",
-                            scene.file_name));
-  auto surfaces = make_surfaces(scene, geometry, charts, *layouts, *caster, report);
-  const Emitters emitters = possible_emitters(scene, geometry, charts, surfaces);
-  const SenderLookup lookup(geometry, charts, *layouts, surfaces, *caster);
+  auto surfaces = cut_surfaces(scene, options, *caster, std::move(geometry), report);
+  if (!surfaces) return tl::unexpected(surfaces.error());
+  RowPlan plan = plan_rows(options);
+  RowCounts counts;
+  std::optional<Preparation> prepared;
+  if (auto done = prepare(scene, options, *caster, plan, observer, *surfaces, prepared, counts, report);
+      !done)
+    return tl::unexpected(done.error());
   report.seconds_surfaces = seconds_since(start);
 
   const auto rays_start = std::chrono::steady_clock::now();
-  const std::uint32_t cluster_count = surfaces.back().first_cluster + surfaces.back().cluster_count;
-  const RowScene row_scene{geometry, *caster, lookup, emitters, cluster_count, kSkyResolution, options.seed};
-  RowOptions row_options{options.quality, options.sensor_quality};
-  if (row_options.sensor_quality == 0)
-    row_options.sensor_quality = std::min(kMaxQuality, std::max(kMinSensorQuality, 16 * options.quality));
-  RowCounts counts;
-  std::vector<SystemRows> rows;
-  std::vector<std::vector<bool>> own;
-  for (const ClusteredSurface& surface : surfaces) {
-    own.push_back(own_elements(scene, charts, surface.surface));
-    auto traced = trace_system(row_scene, charts, surface, own.back(), row_options, counts, observer);
-    if (!traced) return tl::unexpected(traced.error());
-    rows.push_back(std::move(*traced));
-  }
+  allocate_rays(*surfaces, options, *prepared, counts, plan);
   std::vector<SurfacePoint> sensor_points;
   for (const SensorPoint& sensor : options.sensors)
-    sensor_points.push_back(lift_sensor(geometry, *caster, sensor.position, sensor.normal));
-  auto sensor_rows = trace_sensors(row_scene, sensor_points, row_options, counts, observer);
-  if (!sensor_rows) return tl::unexpected(sensor_rows.error());
+    sensor_points.push_back(lift_sensor(surfaces->geometry, *caster, sensor.position, sensor.normal));
+  const Survey* known = prepared->survey ? &*prepared->survey : nullptr;
+  auto rows = trace_rows(prepared->rows, *surfaces, sensor_points, plan, known, counts, observer);
+  if (!rows) return tl::unexpected(rows.error());
   report.rays = counts.rays;
   report.occlusion_rays += counts.occlusion_rays;
   report.seconds_rays = seconds_since(rays_start);
+  if (known != nullptr) estimate_errors(*rows, *known, report);
 
   const auto rows_start = std::chrono::steady_clock::now();
   if (observer && !observer("rows", 0.0))
     return fail(ErrorCode::cancelled, "stopped before rows were stored");
-  const SenderTree senders = number_senders(emitters, kSkyResolution, surfaces, rows, *sensor_rows);
-  const ModelParts parts{scene, geometry,     charts,   *layouts, surfaces,      own,
-                         rows,  *sensor_rows, emitters, senders,  cluster_count, kSkyResolution};
-  auto model = assemble_model(parts, options, report);
+  const SenderTree senders =
+      known != nullptr ? known->senders : plain_senders(kSkyResolution, surfaces->systems);
+  const ModelParts parts{scene,
+                         surfaces->geometry,
+                         surfaces->charts,
+                         surfaces->layouts,
+                         surfaces->systems,
+                         surfaces->own_elements,
+                         rows->systems,
+                         rows->sensors,
+                         rows->orders,
+                         rows->tiles,
+                         prepared->emitters,
+                         senders,
+                         surfaces->cluster_count()};
+  auto model = assemble_model(parts, plan.codec, options.max_albedo, report);
   report.seconds_rows = seconds_since(rows_start);
   if (!model) return model;
   add_sensors(options, *model);
-  light_model(scene, geometry, *caster, *model, report.warnings);
+  light_model(scene, surfaces->geometry, *caster, *model, report.warnings);
   if (!scene.cameras.empty()) model->camera = scene.cameras.front();
   model->provenance = {scene.file_name, "relume 0.1.0", caster->description(),
-                       options_json(options, report, row_options)};
+                       options_json(options, report, plan)};
   report.seconds_total = seconds_since(start);
   return model;
 }
 
 }  // namespace
+
+double ErrorEstimate::total() const {
+  return std::sqrt(clusters * clusters + rays * rays + cut * cut + precision * precision);
+}
 
 Result<Model> precompute(const Scene& scene, const PrecomputeOptions& options, PrecomputeReport& report,
                          const ProgressObserver& observer) {

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,17 +31,31 @@ struct SensorPoint {
 using ProgressObserver = std::function<bool(std::string_view stage, double fraction)>;
 
 struct PrecomputeOptions {
-  double texel_size = 0.0;      ///< m, 0 = from the scene (about 40 k lumels)
-  double cluster_size = 0.0;    ///< m, 0 = from the scene (about 4 k clusters); never below the texel size
-  std::uint32_t quality = 512;  ///< rays per lumel; a power of two is best
-  std::uint32_t sensor_quality = 0;  ///< rays per sensor, 0 = 16 x quality, at least 4096
+  double texel_size = 0.0;    ///< m, 0 = from the scene (about 40 k lumels)
+  double cluster_size = 0.0;  ///< m, 0 = from the scene (about 4 k clusters); never below the texel size
+  std::uint32_t quality =
+      0;  ///< rays per lumel, a power of two is best; 0: as the error asks, or without one 512
+  std::uint32_t sensor_quality =
+      0;               ///< rays per sensor, 0 = as the error asks, or without one 16 x quality, at least 4096
+  double error = 0.0;  ///< the target: of indirect irradiance, relative to its root mean square in the room,
+                       ///< whatever the lights; 0: none. Chooses what is not asked for below.
   std::uint32_t budget = 0;  ///< nodes that a tile of 8 neighbouring rows keeps (a tile that sees more trees
-                             ///< keeps one each), four times as many for a sensor; 0: full rows
-  ValueCodec codec = ValueCodec::f32;
-  double max_albedo = 0.95;  ///< above 0, at most 0.9999
+                             ///< keeps one each), four times as many for a sensor; 0: as the error asks, or
+                             ///< without one full rows
+  std::optional<ValueCodec> codec;  ///< unless said: as the error asks, or without one f32
+  double max_albedo = 0.95;         ///< above 0, at most 0.9999
   std::uint64_t seed = 0;
   std::uint32_t threads = 0;  ///< 0 = all
   std::vector<SensorPoint> sensors;
+};
+
+/// Estimated errors of indirect irradiance by cause, relative to its root mean square in the room.
+struct ErrorEstimate {
+  double clusters = 0.0;   ///< their size
+  double rays = 0.0;       ///< noise of the rows of lumels
+  double cut = 0.0;        ///< nodes in place of their leaves
+  double precision = 0.0;  ///< of stored values
+  double total() const;    ///< of independent causes
 };
 
 /// What the precompute did; not part of the model because times differ between runs.
@@ -51,8 +66,7 @@ struct PrecomputeReport {
   std::uint64_t occlusion_rays = 0;  ///< towards emitters and between neighbours
   std::uint64_t invalid_lumels = 0;
   std::uint64_t split_lumels = 0;
-  double cut_spread = 0.0;  ///< what the cut approximates, as a share of the hemisphere: mean over the lumels
-                            ///< of the system where it is largest
+  ErrorEstimate error;            ///< 0 where nothing was estimated
   double seconds_surfaces = 0.0;  ///< charts, lumels, clusters
   double seconds_rays = 0.0;      ///< rays and rows
   double seconds_rows = 0.0;      ///< trees, cut, matrices

@@ -36,20 +36,24 @@ Scales close_row(double emitted, double counted, double row_sum) {
 
 }  // namespace
 
+std::size_t sender_count(const RowScene& scene) {
+  return scene.cluster_count + scene.sky_senders.size();
+}
+
 RowTracer::RowTracer(const RowScene& scene)
     : scene_(scene),
       emitter_points_(scene.emitters.list.empty() ? 0 : kMaxAreaSamples),
-      counts_(scene.cluster_count + 6 * scene.sky_resolution * scene.sky_resolution, 0),
+      counts_(sender_count(scene), 0),
       touched_(counts_.size()),
       emitter_sums_(scene.emitters.list.size(), 0.0),
       area_sums_(scene.emitters.list.size(), 0.0) {}
 
-TracedRow RowTracer::trace(const Receiver& receiver, const SobolPoints& points) {
+TracedRow RowTracer::trace(const Receiver& receiver, const SobolPoints& points, const PointRange& range) {
   const std::uint64_t key = mix(receiver.key(), scene_.seed);
-  area_samples_ = std::min(kMaxAreaSamples, points.count() / kRaysPerAreaSample);
+  area_samples_ = std::min(kMaxAreaSamples, range.count / kRaysPerAreaSample);
   choose_emitters(scene_.emitters, receiver, choice_);
-  const Totals totals = trace_hemisphere(receiver, points, key);
-  sample_emitters(receiver, points.count(), totals.traced, key);
+  const Totals totals = trace_hemisphere(receiver, points, range, key);
+  sample_emitters(receiver, range, totals.traced, key);
   rays_ += totals.traced;
   TracedRow result;
   result.back_face_share = totals.traced > 0 ? float(totals.back_faces) / float(totals.traced) : 1.0f;
@@ -58,15 +62,14 @@ TracedRow RowTracer::trace(const Receiver& receiver, const SobolPoints& points) 
 }
 
 RowTracer::Totals RowTracer::trace_hemisphere(const Receiver& receiver, const SobolPoints& points,
-                                              std::uint64_t key) {
+                                              const PointRange& range, std::uint64_t key) {
   Totals totals;
   HemispherePacket packet;
-  for (std::uint32_t first = 0; first < points.count(); first += kPacketSize) {
+  for (std::uint32_t first = range.first; first < range.first + range.count; first += kPacketSize) {
     fill_packet(scene_.geometry, scene_.caster, receiver, points, key, first, packet);
     scene_.caster.closest_hits(packet.rays);
     for (int lane = 0; lane < kPacketSize; ++lane) {
-      if (packet.used[lane])
-        count_hit(packet.rays, lane, packet.normal(receiver, lane), points.count(), totals);
+      if (packet.used[lane]) count_hit(packet.rays, lane, packet.normal(receiver, lane), range.count, totals);
     }
   }
   return totals;
@@ -79,7 +82,7 @@ void RowTracer::count_hit(const RayPacket& packet, int lane, const glm::vec3& no
   const glm::vec3 direction = direction_of(packet, lane);
   std::uint32_t sender = 0;
   if (triangle == kNoTriangle) {
-    sender = scene_.cluster_count + sky_cell(glm::dvec3(direction), scene_.sky_resolution);
+    sender = scene_.sky_senders[sky_cell(glm::dvec3(direction), scene_.sky_resolution)];
   } else {
     sender = scene_.lookup.seen(triangle, packet.u[lane], packet.v[lane], direction);
     if (sender == SenderLookup::kBlackBack) ++totals.back_faces;
@@ -108,14 +111,16 @@ void RowTracer::add_emitter_hit(std::uint32_t emitter, const RayPacket& packet, 
   emitter_sums_[emitter] += weight / ray_count;
 }
 
-void RowTracer::sample_emitters(const Receiver& receiver, std::uint32_t ray_count, std::uint32_t traced,
+void RowTracer::sample_emitters(const Receiver& receiver, const PointRange& range, std::uint32_t traced,
                                 std::uint64_t key) {
-  // Hits were booked as one of ray_count each; fewer may have started, where walls cut into the receiver.
-  const double started = traced > 0 ? double(ray_count) / traced : 0.0;
+  // Hits were booked as one of range.count each; fewer may have started, where walls cut into the receiver.
+  const double started = traced > 0 ? double(range.count) / traced : 0.0;
   for (double& sum : emitter_sums_) sum *= started;
   if (!choice_.any()) return;
-  const Connections connections{receiver,  scene_.emitters, choice_,
-                                ray_count, area_samples_,   scene_.geometry.offset};
+  const std::uint32_t start = std::min(range.first / kRaysPerAreaSample, kMaxAreaSamples - area_samples_);
+  const Connections connections{
+      receiver,      scene_.emitters,       choice_, range.count, start / kPacketSize * kPacketSize,
+      area_samples_, scene_.geometry.offset};
   std::fill(area_sums_.begin(), area_sums_.end(), 0.0);
   std::uint32_t owned = 0;
   for (std::uint32_t first = 0; first < area_samples_; first += kPacketSize) {

@@ -23,6 +23,17 @@ struct FormFactorRow {
   std::vector<float> values;
 };
 
+/// Points [first, first + count) of a sequence; both are multiples of the size of a packet.
+struct PointRange {
+  std::uint32_t first = 0, count = 0;
+};
+
+/// What a row was traced with.
+struct RowRays {
+  std::uint32_t count = 0;
+  float noise = 0.0f;  ///< estimate, relative to the irradiance of the room; 0 where nobody asked
+};
+
 struct TracedRow {
   FormFactorRow row;
   float back_face_share = 0.0f;  ///< of its rays; they add nothing to the row
@@ -36,18 +47,22 @@ struct RowScene {
   const Emitters& emitters;
   std::uint32_t cluster_count = 0;
   std::uint32_t sky_resolution = 0;
+  std::vector<std::uint32_t> sky_senders;  ///< per cell of the sky: its number among the senders
   std::uint64_t seed = 0;
 };
+
+/// Of RowScene: clusters and cells of the sky.
+std::size_t sender_count(const RowScene& scene);
 
 /// One per thread: holds the counters that a row is gathered in.
 class RowTracer {
  public:
   explicit RowTracer(const RowScene& scene);
 
-  /// `points` has as many rays as wanted. Form factors are shares of the rays; those of emitters are combined
+  /// A ray for each point of `range`. Form factors are shares of the rays; those of emitters are combined
   /// with area samples, one for every 16 rays, and the rest of the row is scaled so that the sum stays what
   /// the rays measured.
-  TracedRow trace(const Receiver& receiver, const SobolPoints& points);
+  TracedRow trace(const Receiver& receiver, const SobolPoints& points, const PointRange& range);
 
   std::uint64_t rays() const { return rays_; }
   std::uint64_t occlusion_rays() const { return occlusion_rays_; }
@@ -56,12 +71,13 @@ class RowTracer {
   struct Totals {
     std::uint32_t traced = 0, arrived = 0, arrived_at_emitters = 0, back_faces = 0;
   };
-  Totals trace_hemisphere(const Receiver& receiver, const SobolPoints& points, std::uint64_t key);
+  Totals trace_hemisphere(const Receiver& receiver, const SobolPoints& points, const PointRange& range,
+                          std::uint64_t key);
   void count_hit(const RayPacket& packet, int lane, const glm::vec3& normal, std::uint32_t ray_count,
                  Totals& totals);
   void add_emitter_hit(std::uint32_t emitter, const RayPacket& packet, int lane, const glm::vec3& normal,
                        std::uint32_t ray_count);
-  void sample_emitters(const Receiver& receiver, std::uint32_t ray_count, std::uint32_t traced,
+  void sample_emitters(const Receiver& receiver, const PointRange& range, std::uint32_t traced,
                        std::uint64_t key);
   /// How many samples of the packet belong to the receiver.
   std::uint32_t add_connections(const Receiver& receiver, std::uint32_t first, ConnectionPacket& packet);

@@ -5,47 +5,24 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <numeric>
+#include <bit>
+#include <cmath>
 
+#include "precompute/adaptive_row.h"
 #include "precompute/progress.h"
-#include "precompute/sender_set.h"
 
 namespace relume {
 namespace {
 
-/// Area-weighted mean of rows, gathered densely.
-class RowMean {
- public:
-  explicit RowMean(std::size_t senders) : sums_(senders, 0.0), touched_(senders) {}
-  void add(const FormFactorRow& row, double weight) {
-    weight_ += weight;
-    for (std::size_t i = 0; i < row.senders.size(); ++i) {
-      sums_[row.senders[i]] += weight * double(row.values[i]);
-      touched_.insert(row.senders[i]);
-    }
-  }
-  FormFactorRow finish() {
-    FormFactorRow row;
-    row.senders.reserve(touched_.size());
-    row.values.reserve(touched_.size());
-    touched_.drain([&](std::uint32_t sender) {
-      row.senders.push_back(sender);
-      row.values.push_back(float(sums_[sender] / weight_));
-      sums_[sender] = 0.0;
-    });
-    weight_ = 0.0;
-    return row;
-  }
-
- private:
-  std::vector<double> sums_;
-  SenderSet touched_;
-  double weight_ = 0.0;
-};
+/// Clusters go in batches of about so many elements, so that their rows need not be held together.
+constexpr std::size_t kBatchElements = 16384;
+/// Rays of a cluster in a survey, and the least that one of its elements gets.
+constexpr std::uint32_t kSurveyRays = 512, kSurveyElementRays = 32;
+/// About so many clusters show how noisy rows are.
+constexpr std::uint32_t kPilotClusters = 512;
 
 struct Worker {
-  explicit Worker(const RowScene& scene)
-      : tracer(scene), mean(scene.cluster_count + 6 * scene.sky_resolution * scene.sky_resolution) {}
+  explicit Worker(const RowScene& scene) : tracer(scene), mean(sender_count(scene)) {}
   RowTracer tracer;
   RowMean mean;
 };
@@ -58,27 +35,79 @@ void add_counts(const Workers& workers, RowCounts& counts) {
   }
 }
 
-/// Row of one cluster, and those of its elements.
-void trace_cluster(const RowScene& scene, const std::vector<Chart>& charts, const ClusteredSurface& system,
-                   std::span<const std::uint32_t> members, const std::vector<bool>& own_element,
-                   const SobolPoints& points, Worker& worker, FormFactorRow& cluster_row, SystemRows& rows) {
-  std::vector<TracedRow> traced;
-  bool any_valid = false;
+TracedRow mean_of(const RowHalves& halves, RowMean& mean) {
+  mean.add(halves.first.row, 0.5);
+  mean.add(halves.second.row, 0.5);
+  return {mean.finish(), 0.5f * (halves.first.back_face_share + halves.second.back_face_share)};
+}
+
+/// Rows of receivers that lie side by side, with as many rays each as all of them together ask for.
+std::vector<TracedRow> trace_neighbours(std::span<const Receiver> receivers, const SobolPoints& points,
+                                        const RayLimits& limits, Worker& worker, RowRays& rays) {
+  std::vector<TracedRow> rows;
+  rays = {limits.rays, 0.0f};
+  if (limits.exchange <= 0.0) {
+    for (const Receiver& receiver : receivers)
+      rows.push_back(worker.tracer.trace(receiver, points, {0, limits.rays}));
+    return rows;
+  }
+  std::vector<RowHalves> halves;
+  rays.count = std::min(limits.least, limits.rays);
+  for (const Receiver& receiver : receivers) {
+    halves.push_back({worker.tracer.trace(receiver, points, {0, rays.count / 2}),
+                      worker.tracer.trace(receiver, points, {rays.count / 2, rays.count / 2})});
+  }
+  rays.noise = float(row_noise(*limits.probing, halves));
+  const auto worth_more = [&] {
+    return double(rays.noise) * double(rays.noise) > limits.exchange * double(rays.count);
+  };
+  while (worth_more() && 2 * rays.count <= limits.rays) {
+    for (std::size_t i = 0; i < receivers.size(); ++i) {
+      halves[i].first = mean_of(halves[i], worker.mean);
+      halves[i].second = worker.tracer.trace(receivers[i], points, {rays.count, rays.count});
+    }
+    rays.count *= 2;
+    rays.noise = float(row_noise(*limits.probing, halves));
+  }
+  for (const RowHalves& both : halves) rows.push_back(mean_of(both, worker.mean));
+  return rows;
+}
+
+std::vector<Receiver> receivers_of(const RowScene& scene, const TracedSystem& system,
+                                   std::span<const std::uint32_t> members) {
+  std::vector<Receiver> receivers;
   for (const auto e : members) {
-    const Element& element = system.surface.elements[e];
-    traced.push_back(worker.tracer.trace(
-        Receiver::element(scene.geometry, scene.caster, system.surface, element, charts[element.chart].side),
-        points));
-    rows.element_back_face_share[e] = traced.back().back_face_share;
-    any_valid = any_valid || traced.back().back_face_share <= kInvalidShare;
+    const Element& element = system.surface.surface.elements[e];
+    receivers.push_back(Receiver::element(scene.geometry, scene.caster, system.surface.surface, element,
+                                          system.charts[element.chart].side));
   }
+  return receivers;
+}
+
+/// Area-weighted mean of the rows of the members that do not lie inside other geometry, or of all when all
+/// do.
+FormFactorRow cluster_row(const SystemSurface& surface, std::span<const std::uint32_t> members,
+                          const std::vector<TracedRow>& traced, RowMean& mean) {
+  const auto valid = [](const TracedRow& row) { return row.back_face_share <= kInvalidShare; };
+  const bool any_valid = std::any_of(traced.begin(), traced.end(), valid);
   for (std::size_t i = 0; i < members.size(); ++i) {
-    if (any_valid && traced[i].back_face_share > kInvalidShare) continue;
-    worker.mean.add(traced[i].row, system.surface.elements[members[i]].area);
+    if (!any_valid || valid(traced[i])) mean.add(traced[i].row, surface.elements[members[i]].area);
   }
-  cluster_row = worker.mean.finish();
+  return mean.finish();
+}
+
+/// Row of one cluster, and those of its elements.
+void trace_cluster(const RowScene& scene, const TracedSystem& system, std::span<const std::uint32_t> members,
+                   const SobolPoints& points, const RayLimits& limits, Worker& worker, FormFactorRow& row,
+                   SystemRows& rows) {
+  RowRays rays;
+  std::vector<TracedRow> traced =
+      trace_neighbours(receivers_of(scene, system, members), points, limits, worker, rays);
+  row = cluster_row(system.surface.surface, members, traced, worker.mean);
   for (std::size_t i = 0; i < members.size(); ++i) {
-    if (own_element[members[i]]) rows.elements[members[i]] = std::move(traced[i].row);
+    rows.element_back_face_share[members[i]] = traced[i].back_face_share;
+    rows.element_rays[members[i]] = rays;
+    if (system.own_elements[members[i]]) rows.elements[members[i]] = std::move(traced[i].row);
   }
 }
 
@@ -89,46 +118,136 @@ std::vector<std::vector<std::uint32_t>> members_of_clusters(const ClusteredSurfa
   return members;
 }
 
+/// One past the last cluster of the batch that begins with `first`.
+std::uint32_t batch_end(const std::vector<std::vector<std::uint32_t>>& members, std::uint32_t first) {
+  std::size_t elements = 0;
+  std::uint32_t last = first;
+  while (last < members.size() && elements < kBatchElements) elements += members[last++].size();
+  return last;
+}
+
 }  // namespace
 
-Result<SystemRows> trace_system(const RowScene& scene, const std::vector<Chart>& charts,
-                                const ClusteredSurface& system, const std::vector<bool>& own_element,
-                                const RowOptions& options, RowCounts& counts,
-                                const ProgressObserver& observer) {
+Result<SystemRows> trace_system(const RowScene& scene, const TracedSystem& system, const RayLimits& limits,
+                                RowCounts& counts, const ProgressObserver& observer, const RowsTaker& taker) {
   SystemRows rows;
-  rows.clusters.resize(system.cluster_count);
-  rows.elements.resize(system.surface.elements.size());
-  rows.element_back_face_share.resize(system.surface.elements.size());
-  const auto members = members_of_clusters(system);
-  const SobolPoints points(options.quality);
+  const std::uint32_t clusters = system.surface.cluster_count;
+  rows.clusters.resize(clusters);
+  rows.elements.resize(system.surface.surface.elements.size());
+  rows.element_back_face_share.resize(rows.elements.size());
+  rows.element_rays.resize(rows.elements.size());
+  const auto members = members_of_clusters(system.surface);
+  const SobolPoints points(limits.rays);
   Workers workers([&] { return Worker(scene); });
-  Progress progress(observer, "rays", system.cluster_count);
-  tbb::parallel_for(std::uint32_t{0}, system.cluster_count, [&](std::uint32_t c) {
-    if (progress.cancelled()) return;
-    trace_cluster(scene, charts, system, members[c], own_element, points, workers.local(), rows.clusters[c],
-                  rows);
-    progress.one_done();
-  });
+  Progress progress(observer, "rays", clusters);
+  for (std::uint32_t first = 0; first < clusters && !progress.cancelled();) {
+    const std::uint32_t last = taker ? batch_end(members, first) : clusters;
+    tbb::parallel_for(first, last, [&](std::uint32_t c) {
+      if (progress.cancelled()) return;
+      trace_cluster(scene, system, members[c], points, limits, workers.local(), rows.clusters[c], rows);
+      progress.one_done();
+    });
+    if (taker && !progress.cancelled()) taker(last, rows);
+    first = last;
+  }
   if (progress.cancelled()) return fail(ErrorCode::cancelled, "stopped while tracing rays");
   add_counts(workers, counts);
   return rows;
 }
 
-Result<std::vector<FormFactorRow>> trace_sensors(const RowScene& scene, std::span<const SurfacePoint> points,
-                                                 const RowOptions& options, RowCounts& counts,
-                                                 const ProgressObserver& observer) {
-  std::vector<FormFactorRow> rows(points.size());
-  const SobolPoints samples(points.empty() ? 0 : options.sensor_quality);
+Result<std::vector<FormFactorRow>> trace_survey(const RowScene& scene, const std::vector<Chart>& charts,
+                                                const std::vector<ClusteredSurface>& systems,
+                                                RowCounts& counts, const ProgressObserver& observer) {
+  std::vector<FormFactorRow> rows(scene.cluster_count);
+  const SobolPoints points(kSurveyRays);
+  Workers workers([&] { return Worker(scene); });
+  Progress progress(observer, "survey", scene.cluster_count);
+  for (const ClusteredSurface& system : systems) {
+    const std::vector<bool> none(system.surface.elements.size(), false);
+    const auto members = members_of_clusters(system);
+    tbb::parallel_for(std::uint32_t{0}, system.cluster_count, [&](std::uint32_t c) {
+      if (progress.cancelled()) return;
+      const auto share = std::bit_floor(kSurveyRays / std::uint32_t(members[c].size()));
+      const RayLimits limits{std::max(kSurveyElementRays, share), 0, 0.0, nullptr};
+      Worker& worker = workers.local();
+      RowRays rays;
+      const auto traced = trace_neighbours(receivers_of(scene, {charts, system, none}, members[c]), points,
+                                           limits, worker, rays);
+      rows[system.first_cluster + c] = cluster_row(system.surface, members[c], traced, worker.mean);
+      progress.one_done();
+    });
+  }
+  if (progress.cancelled()) return fail(ErrorCode::cancelled, "stopped while looking around with few rays");
+  add_counts(workers, counts);
+  return rows;
+}
+
+namespace {
+
+/// Mean square of the noise of rows that had `pilot` rays each, with as many as the exchange gives them.
+double noise_at(const std::vector<double>& squared_noise, const RayLimits& limits, std::uint32_t pilot,
+                double exchange) {
+  double sum = 0.0;
+  for (const double square : squared_noise) {
+    std::uint32_t rays = limits.least;
+    const auto squared = [&] { return square * std::pow(double(pilot) / double(rays), 1.5); };
+    while (squared() > exchange * double(rays) && 2 * rays <= limits.rays) rays *= 2;
+    sum += squared();
+  }
+  return sum / double(std::max<std::size_t>(squared_noise.size(), 1));
+}
+
+}  // namespace
+
+double find_exchange(const RowScene& scene, const std::vector<Chart>& charts,
+                     const std::vector<ClusteredSurface>& systems, const RayLimits& limits, double noise,
+                     RowCounts& counts) {
+  constexpr std::uint32_t kPilotRays = 256;
+  const std::uint32_t step = scene.cluster_count / kPilotClusters + 1;
+  const SobolPoints points(kPilotRays);
+  const RayLimits pilot{kPilotRays, kPilotRays, 1e-30, limits.probing};
+  Workers workers([&] { return Worker(scene); });
+  std::vector<double> squared_noise(scene.cluster_count, -1.0);
+  for (const ClusteredSurface& system : systems) {
+    const std::vector<bool> none(system.surface.elements.size(), false);
+    const auto members = members_of_clusters(system);
+    tbb::parallel_for(std::uint32_t{0}, system.cluster_count, [&](std::uint32_t c) {
+      if ((system.first_cluster + c) % step != 0) return;
+      RowRays rays;
+      trace_neighbours(receivers_of(scene, {charts, system, none}, members[c]), points, pilot,
+                       workers.local(), rays);
+      squared_noise[system.first_cluster + c] = double(rays.noise) * double(rays.noise);
+    });
+  }
+  add_counts(workers, counts);
+  std::erase_if(squared_noise, [](double square) { return square < 0.0; });
+  double low = 1e-16, high = 1.0;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = std::sqrt(low * high);
+    (noise_at(squared_noise, limits, kPilotRays, middle) > noise * noise ? high : low) = middle;
+  }
+  return low;
+}
+
+Result<SensorRows> trace_sensors(const RowScene& scene, std::span<const SurfacePoint> points,
+                                 const RayLimits& limits, RowCounts& counts,
+                                 const ProgressObserver& observer) {
+  SensorRows result;
+  result.rows.resize(points.size());
+  result.rays.resize(points.size());
+  const SobolPoints samples(points.empty() ? 0 : limits.rays);
   Workers workers([&] { return Worker(scene); });
   Progress progress(observer, "sensors", points.size());
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
     if (progress.cancelled()) return;
-    rows[i] = workers.local().tracer.trace(Receiver::point(points[i]), samples).row;
+    const Receiver receiver = Receiver::point(points[i]);
+    auto traced = trace_neighbours({&receiver, 1}, samples, limits, workers.local(), result.rays[i]);
+    result.rows[i] = std::move(traced[0].row);
     progress.one_done();
   });
   if (progress.cancelled()) return fail(ErrorCode::cancelled, "stopped while tracing the rays of sensors");
   add_counts(workers, counts);
-  return rows;
+  return result;
 }
 
 }  // namespace relume

@@ -4,11 +4,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "core/result.h"
 #include "precompute/precompute.h"
+#include "precompute/probing.h"
 #include "precompute/row_tracer.h"
 
 namespace relume {
@@ -18,11 +20,16 @@ struct SystemRows {
   std::vector<FormFactorRow>
       elements;  ///< rows of the elements that are lumels' own; empty ones for the others
   std::vector<float> element_back_face_share;  ///< per element
+  std::vector<RowRays> element_rays;           ///< per element
 };
 
-struct RowOptions {
-  std::uint32_t quality = 512;  ///< rays per element
-  std::uint32_t sensor_quality = 8192;
+/// How many rays a row gets.
+struct RayLimits {
+  std::uint32_t rays = 512;   ///< per row; with an exchange, at most
+  std::uint32_t least = 512;  ///< to begin with
+  double exchange = 0.0;      ///< above 0: doubled while the square of the noise of a cluster's elements
+                          ///< together, divided by the rays of each, is larger; 0: `rays` at once
+  const Probing* probing = nullptr;  ///< needed with an exchange
 };
 
 struct RowCounts {
@@ -34,16 +41,42 @@ struct RowCounts {
 /// cluster's row, unless all of them do.
 inline constexpr float kInvalidShare = 0.5f;
 
-/// Rows of every cluster and lumel of `system`, in the calling task arena. `own_element` per element: whether
-/// it is a lumel's own. Cancelled when the observer says so.
-Result<SystemRows> trace_system(const RowScene& scene, const std::vector<Chart>& charts,
-                                const ClusteredSurface& system, const std::vector<bool>& own_element,
-                                const RowOptions& options, RowCounts& counts,
-                                const ProgressObserver& observer);
+/// What tracing needs of a system.
+struct TracedSystem {
+  const std::vector<Chart>& charts;
+  const ClusteredSurface& surface;
+  const std::vector<bool>& own_elements;  ///< per element: whether it is a lumel's own
+};
+
+/// The elements of all clusters below `last` have their rows: whoever wants them may take them away.
+using RowsTaker = std::function<void(std::uint32_t last, SystemRows& rows)>;
+
+/// Rows of every cluster and lumel of a system, in the calling task arena. With a taker, it is called now and
+/// then and at the end, and gets the clusters in their order. Cancelled when the observer says so.
+Result<SystemRows> trace_system(const RowScene& scene, const TracedSystem& system, const RayLimits& limits,
+                                RowCounts& counts, const ProgressObserver& observer,
+                                const RowsTaker& taker = {});
+
+/// Rows of clusters alone, of few rays: enough to see what lights what.
+Result<std::vector<FormFactorRow>> trace_survey(const RowScene& scene, const std::vector<Chart>& charts,
+                                                const std::vector<ClusteredSurface>& systems,
+                                                RowCounts& counts, const ProgressObserver& observer);
+
+/// The exchange at which the noise of all lumels' rows together is `noise` (root mean square, relative to
+/// their rooms) for the fewest rays: where the next ray lessens it most, it goes. From a sample of clusters,
+/// of which noise falls with the rays to the power of -3/4, as that of scrambled points over edges does.
+double find_exchange(const RowScene& scene, const std::vector<Chart>& charts,
+                     const std::vector<ClusteredSurface>& systems, const RayLimits& limits, double noise,
+                     RowCounts& counts);
+
+struct SensorRows {
+  std::vector<FormFactorRow> rows;
+  std::vector<RowRays> rays;
+};
 
 /// Rows of points; `points` lie on no surface (lifted already).
-Result<std::vector<FormFactorRow>> trace_sensors(const RowScene& scene, std::span<const SurfacePoint> points,
-                                                 const RowOptions& options, RowCounts& counts,
-                                                 const ProgressObserver& observer);
+Result<SensorRows> trace_sensors(const RowScene& scene, std::span<const SurfacePoint> points,
+                                 const RayLimits& limits, RowCounts& counts,
+                                 const ProgressObserver& observer);
 
 }  // namespace relume

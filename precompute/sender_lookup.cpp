@@ -116,6 +116,16 @@ void SenderLookup::map_chart(const Chart& chart, const glm::uvec2& position, std
   }
 }
 
+void SenderLookup::renumber(const std::vector<std::uint32_t>& numbers) {
+  const auto change = [&](std::uint32_t& entry) {
+    if (entry != kNone && (entry & kSearch) == 0) entry = numbers[entry];
+  };
+  for (Grid& grid : grids_) {
+    std::for_each(grid.entry.begin(), grid.entry.end(), change);
+    for (FineCell& fine : grid.fine) std::for_each(fine.begin(), fine.end(), change);
+  }
+}
+
 std::uint32_t SenderLookup::sender(const SurfaceHit& hit) const {
   return sender_on(hit.side == Side::front ? front_[hit.triangle] : back_[hit.triangle], hit);
 }

@@ -41,6 +41,9 @@ class SenderLookup {
   /// neighbourhood sees.
   std::uint32_t sender(const SurfaceHit& hit) const;
 
+  /// Clusters have new numbers: `numbers` per old one; those of the surfaces changed already.
+  void renumber(const std::vector<std::uint32_t>& numbers);
+
   /// Instead of a cluster: the back of a single-sided surface, opaque and black.
   static constexpr std::uint32_t kBlackBack = kNone - 1;
 

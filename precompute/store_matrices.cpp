@@ -8,19 +8,13 @@
 #include <functional>
 #include <tuple>
 
-#include "precompute/cut_rows.h"
-
 namespace relume {
 namespace {
 
-constexpr std::uint32_t kTileRows = 8;
-constexpr std::uint32_t kSensorShare = 4;  ///< budget of a sensor, which shares its nodes with no other row
-
-/// Rows that follow each other in a matrix, and their tiles; without a budget there are none, and every row
-/// is a tile of its leaves.
+/// Rows that follow each other in a matrix, or their tiles.
 struct RowGroup {
   std::vector<const FormFactorRow*> rows;
-  std::vector<CutTile> tiles;
+  const std::vector<CutTile>* tiles = nullptr;
 };
 
 /// All rows of a system.
@@ -28,31 +22,21 @@ struct SystemRowGroups {
   RowGroup clusters, lumels, sensors;
 };
 
-SystemRowGroups row_groups(const ModelParts& parts, std::size_t s, const std::vector<std::uint32_t>& order) {
+SystemRowGroups row_groups(const ModelParts& parts, std::size_t s) {
   SystemRowGroups groups;
+  if (!parts.tiles.empty()) {
+    const SystemTiles& tiles = parts.tiles[s];
+    return {{{}, &tiles.clusters}, {{}, &tiles.lumels}, {{}, &tiles.sensors}};
+  }
   for (const FormFactorRow& row : parts.rows[s].clusters) groups.clusters.rows.push_back(&row);
-  for (const auto e : order) {
+  for (const auto e : parts.element_orders[s]) {
     if (parts.own_elements[s][e]) groups.lumels.rows.push_back(&parts.rows[s].elements[e]);
   }
   // Sensors go to the first system: only there are their rows needed.
   if (s == 0) {
-    for (const FormFactorRow& row : parts.sensor_rows) groups.sensors.rows.push_back(&row);
+    for (const FormFactorRow& row : parts.sensors.rows) groups.sensors.rows.push_back(&row);
   }
   return groups;
-}
-
-void cut_groups(const ModelParts& parts, const PrecomputeOptions& options, SystemRowGroups& groups) {
-  const std::size_t lumels = groups.lumels.rows.size();
-  const std::size_t clusters = std::max<std::size_t>(groups.clusters.rows.size(), 1);
-  const auto cluster_rays =
-      std::uint32_t(double(options.quality) * std::max<double>(1.0, double(lumels) / double(clusters)));
-  const std::uint32_t sensor_rays = options.sensor_quality > 0 ? options.sensor_quality : options.quality;
-  groups.clusters.tiles =
-      cut_rows(parts.senders, groups.clusters.rows, {kTileRows, options.budget, cluster_rays});
-  groups.lumels.tiles =
-      cut_rows(parts.senders, groups.lumels.rows, {kTileRows, options.budget, options.quality});
-  groups.sensors.tiles =
-      cut_rows(parts.senders, groups.sensors.rows, {1, kSensorShare * options.budget, sensor_rays});
 }
 
 /// The leaf nodes of the tree, per sender.
@@ -67,8 +51,10 @@ std::vector<std::uint32_t> leaf_nodes(const SenderTree& senders) {
 using TileVisitor = std::function<void(const CutTile&)>;
 
 void visit_tiles(const RowGroup& group, const std::vector<std::uint32_t>& leaves, const TileVisitor& visit) {
-  for (const CutTile& tile : group.tiles) visit(tile);
-  if (!group.tiles.empty()) return;
+  if (group.tiles != nullptr) {
+    for (const CutTile& tile : *group.tiles) visit(tile);
+    return;
+  }
   for (const FormFactorRow* row : group.rows) {
     CutTile tile;
     for (const auto sender : row->senders) tile.nodes.push_back(leaves[sender]);
@@ -154,15 +140,9 @@ void append(const ImportTable& imports, const CutTile& tile, bool shared, BlockM
   }
 }
 
-double mean_spread(const RowGroup& group) {
-  double sum = 0.0;
-  for (const CutTile& tile : group.tiles) sum += tile.spread;
-  return group.tiles.empty() ? 0.0 : sum / double(group.tiles.size());
-}
-
-Result<void> store_system(const ModelParts& parts, const PrecomputeOptions& options,
-                          const SystemRowGroups& groups, const std::vector<std::uint32_t>& leaves,
-                          NodeReferences& references, System& system, Model& model) {
+Result<void> store_system(const ModelParts& parts, ValueCodec codec, const SystemRowGroups& groups,
+                          const std::vector<std::uint32_t>& leaves, NodeReferences& references,
+                          System& system, Model& model) {
   ImportTable imports(parts.senders.tree.nodes.size());
   for (const RowGroup* group : {&groups.clusters, &groups.lumels, &groups.sensors})
     visit_tiles(*group, leaves, [&](const CutTile& tile) { imports.use(tile); });
@@ -174,8 +154,8 @@ Result<void> store_system(const ModelParts& parts, const PrecomputeOptions& opti
                             system.name, system.imports.size(), kMaxImports));
   }
   const auto columns = std::uint32_t(system.imports.size());
-  const bool shared = options.budget > 0;
-  BlockMatrixBuilder bounce(columns, options.codec), gather(columns, options.codec);
+  const bool shared = !parts.tiles.empty();
+  BlockMatrixBuilder bounce(columns, codec), gather(columns, codec);
   tbb::parallel_invoke(
       [&] {
         visit_tiles(groups.clusters, leaves,
@@ -194,18 +174,14 @@ Result<void> store_system(const ModelParts& parts, const PrecomputeOptions& opti
 
 }  // namespace
 
-Result<void> store_matrices(const ModelParts& parts, const PrecomputeOptions& options,
-                            const std::vector<std::vector<std::uint32_t>>& element_orders, Model& model,
-                            PrecomputeReport& report) {
+Result<void> store_matrices(const ModelParts& parts, ValueCodec codec, Model& model) {
   const std::vector<std::uint32_t> leaves = leaf_nodes(parts.senders);
   NodeReferences references(parts);
   for (std::size_t s = 0; s < model.systems.size(); ++s) {
-    SystemRowGroups groups = row_groups(parts, s, element_orders[s]);
-    if (options.budget > 0) cut_groups(parts, options, groups);
-    if (auto stored = store_system(parts, options, groups, leaves, references, model.systems[s], model);
+    const SystemRowGroups groups = row_groups(parts, s);
+    if (auto stored = store_system(parts, codec, groups, leaves, references, model.systems[s], model);
         !stored)
       return stored;
-    report.cut_spread = std::max(report.cut_spread, mean_spread(groups.lumels));
   }
   return {};
 }

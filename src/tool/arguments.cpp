@@ -179,6 +179,8 @@ class Parser {
     PrecomputeOptions& options = precompute_.options;
     add_path(command, "SCENE", "", precompute_.scene, "glTF scene (.gltf, .glb)")->required();
     add_path(command, "-o,--output", "FILE", precompute_.output, "The .relume file to write")->required();
+    add_number(command, "--error", options.error, kShare,
+               "Target for indirect light in each room, 2% or 0.02; what follows is then chosen from it");
     add_number(command, "--quality", options.quality, kCount, "Rays per lumel (default 512)");
     add_number(command, "--sensor-quality", options.sensor_quality, kCount,
                "Rays per sensor (default 16 x quality, at least 4096)");

@@ -20,6 +20,12 @@ void say_report(const PrecomputeArguments& arguments, const PrecomputeReport& re
   for (const std::string& line : summary_lines(summarise_model(model))) console.say("  " + line);
   console.say(
       fmt::format("  --texel-size {:.3g} --cluster-size {:.3g} (m)", report.texel_size, report.cluster_size));
+  if (report.error.total() > 0.0) {
+    console.say(fmt::format(
+        "  estimated error {:.2g} %: clusters {:.2g} %, rays {:.2g} %, cut {:.2g} %, precision {:.2g} %",
+        100.0 * report.error.total(), 100.0 * report.error.clusters, 100.0 * report.error.rays,
+        100.0 * report.error.cut, 100.0 * report.error.precision));
+  }
   if (report.invalid_lumels + report.split_lumels > 0) {
     console.say(fmt::format("  {} lumels inside geometry, {} split by a wall", report.invalid_lumels,
                             report.split_lumels));
@@ -36,7 +42,11 @@ JsonObject report_json(const PrecomputeArguments& arguments, const PrecomputeRep
                                {"occlusion_rays", report.occlusion_rays},
                                {"invalid_lumels", report.invalid_lumels},
                                {"split_lumels", report.split_lumels},
-                               {"cut_spread", report.cut_spread},
+                               {"estimated_error", JsonObject{{"clusters", report.error.clusters},
+                                                              {"rays", report.error.rays},
+                                                              {"cut", report.error.cut},
+                                                              {"precision", report.error.precision},
+                                                              {"total", report.error.total()}}},
                                {"seconds", JsonObject{{"surfaces", report.seconds_surfaces},
                                                       {"rays", report.seconds_rays},
                                                       {"rows", report.seconds_rows},

@@ -23,9 +23,6 @@ ClusterTree tree_of_eight(std::uint32_t groups = 1) {
   return tree;
 }
 
-const std::vector<double> kOnes(8, 1.0);
-constexpr std::uint32_t kManyRays = 1u << 30;
-
 std::vector<TreeNodeRange> ranges(const ClusterTree& tree, const CutTile& tile) {
   std::vector<TreeNodeRange> result;
   for (const auto node : tile.nodes) result.push_back(tree.nodes[node]);
@@ -55,41 +52,78 @@ TEST(ClusterTree, NoNodeMixesGroups) {
   for (const auto root : tree.roots) EXPECT_EQ(tree.nodes[root].count, 2u);
 }
 
-TEST(Cut, RefinesWhereTheRowSeesAPartAndKeepsWhatItSeesEvenly) {
+/// Every probe shows the leaves of the tree with these radiosities, in one room of irradiance 1.
+Probing shown(const ClusterTree& tree, const std::vector<float>& radiosities) {
+  Probing probing;
+  for (const float radiosity : radiosities) {
+    probing.senders.emplace_back().fill(radiosity);
+    probing.rooms.push_back(0);
+  }
+  for (const TreeNodeRange& node : tree.nodes) {
+    float sum = 0.0f;
+    for (std::uint32_t i = 0; i < node.count; ++i) sum += radiosities[node.first + i];
+    probing.nodes.emplace_back().fill(sum / float(node.count));
+  }
+  probing.weights.emplace_back().fill(1.0f);
+  return probing;
+}
+
+CutTile cut(const ClusterTree& tree, const Probing& probing, std::vector<const FormFactorRow*> rows,
+            const CutLimits& limits) {
+  return TileCutter(tree, probing).cut(rows, limits);
+}
+
+const std::vector<float> kRamp{1, 2, 3, 4, 5, 6, 7, 8};
+
+TEST(Cut, RefinesWhereMeansMisleadAndKeepsWhatLooksAlike) {
   const ClusterTree tree = tree_of_eight();
-  // The left half evenly; of the right half, one leaf.
-  const FormFactorRow row{{0, 1, 2, 3, 6}, {0.1f, 0.1f, 0.1f, 0.1f, 0.3f}};
-  const FormFactorRow* rows[] = {&row};
-  const CutTile tile = cut_tile(tree, kOnes, rows, kManyRays, {2, 0.0});
-  const auto two = ranges(tree, tile);
-  ASSERT_EQ(two.size(), 2u);
-  EXPECT_EQ(two[0].count, 4u);
-  EXPECT_EQ(two[1].count, 4u);
-  EXPECT_FLOAT_EQ(tile.values[0][0], 0.4f);
-  EXPECT_FLOAT_EQ(tile.values[0][1], 0.3f);
-  // 0.3 stands on four leaves: |0.3 - 0.075| + 3 * 0.075.
-  EXPECT_NEAR(tile.spread, 0.45, 1e-3);
+  // The left half looks alike; of the right half the row sees one leaf, which differs from the mean.
+  const Probing probing = shown(tree, {1, 1, 1, 1, 5, 6, 9, 8});
+  const FormFactorRow row{{0, 1, 2, 3, 6}, {0.25f, 0.125f, 0.0625f, 0.0625f, 0.25f}};
+  const CutTile two = cut(tree, probing, {&row}, {2, 0.0});
+  ASSERT_EQ(two.nodes.size(), 2u);
+  EXPECT_EQ(ranges(tree, two)[0].count, 4u);
+  EXPECT_FLOAT_EQ(two.values[0][0], 0.5f);
+  EXPECT_FLOAT_EQ(two.values[0][1], 0.25f);
+  // The mean of 5, 6, 9 and 8 is 7 where the row sees 9.
+  EXPECT_NEAR(two.error[0], 0.25 * 2.0, 1e-6);
 
   // With room for more, only the right half is taken apart, and what nobody sees is dropped.
-  const auto more = ranges(tree, cut_tile(tree, kOnes, rows, kManyRays, {5, 0.0}));
+  const auto more = ranges(tree, cut(tree, probing, {&row}, {5, 0.0}));
   ASSERT_EQ(more.size(), 2u);
   EXPECT_EQ(more[0].count, 4u);
   EXPECT_EQ(more[1].first, 6u);
   EXPECT_EQ(more[1].count, 1u);
 }
 
+TEST(Cut, StopsAtTheErrorAskedFor) {
+  const ClusterTree tree = tree_of_eight();
+  const Probing probing = shown(tree, kRamp);
+  const FormFactorRow row{{0, 1, 2, 3, 4, 5, 6, 7}, {0.2f, 0.1f, 0.1f, 0.1f, 0.1f, 0.1f, 0.1f, 0.2f}};
+  // Seen evenly but for the ends, which are as far from the mean as each other: one node is right as it is.
+  EXPECT_EQ(cut(tree, probing, {&row}, {0, 1e-3}).nodes.size(), 1u);
+  // Seen from one end, it is not.
+  const FormFactorRow end{{0, 1, 2, 3, 4, 5, 6, 7}, {0.3f, 0.2f, 0.1f, 0.1f, 0.1f, 0.05f, 0.05f, 0.05f}};
+  std::size_t before = 1;
+  for (const double error : {0.5, 0.1, 0.02, 1e-4}) {
+    const CutTile tile = cut(tree, probing, {&end}, {0, error});
+    EXPECT_LE(tile.error[0], error);
+    EXPECT_GE(tile.nodes.size(), before);
+    before = tile.nodes.size();
+  }
+  EXPECT_GT(before, 4u);
+}
+
 TEST(Cut, KeepsAllRootsWhateverTheBudget) {
   const ClusterTree tree = tree_of_eight(4);
   const FormFactorRow row{{0, 2, 4, 6}, {0.1f, 0.2f, 0.3f, 0.4f}};
-  const FormFactorRow* rows[] = {&row};
-  EXPECT_EQ(cut_tile(tree, kOnes, rows, kManyRays, {1, 0.0}).nodes.size(), 4u);
+  EXPECT_EQ(cut(tree, shown(tree, kRamp), {&row}, {1, 0.0}).nodes.size(), 4u);
 }
 
 TEST(Cut, RowsOfATileShareNodesAndKeepTheirOwnSums) {
   const ClusterTree tree = tree_of_eight();
   const FormFactorRow a{{0, 1}, {0.5f, 0.25f}}, b{{1, 7}, {0.125f, 0.5f}};
-  const FormFactorRow* rows[] = {&a, &b};
-  const CutTile tile = cut_tile(tree, kOnes, rows, kManyRays, {100, 0.0});
+  const CutTile tile = cut(tree, shown(tree, {1, 9, 2, 2, 2, 2, 2, 9}), {&a, &b}, {100, 0.0});
   EXPECT_EQ(tile.values.size(), 2u);
   float first = 0.0f, second = 0.0f;
   for (const float value : tile.values[0]) first += value;
@@ -100,24 +134,11 @@ TEST(Cut, RowsOfATileShareNodesAndKeepTheirOwnSums) {
   EXPECT_EQ(tile.values[0][2], 0.0f);
 }
 
-TEST(Cut, DoesNotRefineForNoise) {
-  const ClusterTree tree = tree_of_eight();
-  // Eight rays over eight leaves, as chance has it.
-  const FormFactorRow row{{0, 2, 3, 5, 6}, {0.125f, 0.25f, 0.125f, 0.375f, 0.125f}};
-  const FormFactorRow* rows[] = {&row};
-  // It deviates by 0.75; chance alone makes that much, so that a quarter of it counts.
-  EXPECT_EQ(cut_tile(tree, kOnes, rows, 8, {0, 0.2}).nodes.size(), 1u);
-  EXPECT_GT(cut_tile(tree, kOnes, rows, kManyRays, {0, 0.2}).nodes.size(), 2u);
-  EXPECT_EQ(cut_tile(tree, kOnes, rows, 8, {100, 0.0}).nodes.size(), 5u) << "a budget is used";
-}
-
 TEST(CutRows, MakesTilesOfNeighboursWithTheRestInTheLast) {
-  SenderTree senders;
-  senders.tree = tree_of_eight();
-  senders.weights = kOnes;
+  const ClusterTree tree = tree_of_eight();
   const FormFactorRow left{{0, 1}, {0.5f, 0.25f}}, right{{7}, {0.5f}};
   const std::vector<const FormFactorRow*> rows{&left, &left, &right};
-  const auto tiles = cut_rows(senders, rows, {2, 100, kManyRays});
+  const auto tiles = cut_rows(tree, shown(tree, kRamp), rows, {2, {100, 0.0}});
   ASSERT_EQ(tiles.size(), 2u);
   EXPECT_EQ(tiles[0].values.size(), 2u);
   EXPECT_EQ(tiles[1].values, (std::vector<std::vector<float>>{{0.5f}}));

@@ -28,7 +28,7 @@ struct Surfaces {
         layout(lay_out_systems(scene, geometry, charts)->front()),
         surface(make_elements(geometry, charts, layout, caster)),
         cluster(make_clusters(geometry, charts, layout, surface, caster, texel_sizes(scene, texel_size),
-                              cluster_size)) {}
+                              {cluster_size, 0.0, {}})) {}
 
   std::map<std::uint32_t, double> cluster_areas(std::uint32_t node) const {
     std::map<std::uint32_t, double> areas;

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+//
+// Lights that no precompute knows, and sensors, in places of a scene drawn by chance from a fixed seed.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/model.h"
+#include "core/solve.h"
+#include "precompute/precompute.h"
+#include "scene/scene.h"
+
+namespace relume::bench {
+
+struct TestLight {
+  std::string name;
+  std::vector<Light> lights;
+  bool lamp = false;     ///< the lamp that was added shines
+  bool ambient = false;  ///< the sky shines, and what faces down glows where none is seen
+};
+
+/// A scene with a small lamp of its own hung in free space, five lights, and sensors on its surfaces.
+struct TestScene {
+  Scene scene;
+  std::vector<TestLight> lights;  ///< ambient, the lamp, two points, a spot
+  std::vector<SensorPoint> sensors;
+};
+
+Result<TestScene> test_scene(Scene scene, std::size_t sensors);
+
+/// Albedo of the model; light of `light` alone.
+Result<Lighting> test_lighting(const Model& model, const TestLight& light);
+
+}  // namespace relume::bench

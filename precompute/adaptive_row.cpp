@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#include "precompute/adaptive_row.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "precompute/cut.h"
+
+namespace relume {
+namespace {
+
+void add_light(const Probing& probing, const FormFactorRow& row, float sign, ProbeValues& sums) {
+  for (std::size_t i = 0; i < row.senders.size(); ++i) {
+    const ProbeValues& radiosity = probing.senders[row.senders[i]];
+    const float factor = sign * row.values[i];
+    for (std::size_t p = 0; p < kProbes; ++p) sums[p] += factor * radiosity[p];
+  }
+}
+
+}  // namespace
+
+FormFactorRow RowMean::finish() {
+  FormFactorRow row;
+  row.senders.reserve(touched_.size());
+  row.values.reserve(row.senders.capacity());
+  touched_.drain([&](std::uint32_t sender) {
+    row.senders.push_back(sender);
+    row.values.push_back(float(sums_[sender] / weight_));
+    sums_[sender] = 0.0;
+  });
+  weight_ = 0.0;
+  return row;
+}
+
+double row_noise(const Probing& probing, std::span<const RowHalves> rows) {
+  double squares = 0.0;
+  for (const RowHalves& halves : rows) {
+    ProbeValues difference{};
+    add_light(probing, halves.first.row, 0.5f, difference);
+    add_light(probing, halves.second.row, -0.5f, difference);
+    const ProbeValues& weights = room_weights(probing, halves.first.row);
+    for (std::size_t p = 0; p < kProbes; ++p) {
+      const double error = double(difference[p] * weights[p]);
+      squares += error * error;
+    }
+  }
+  return rows.empty() ? 0.0 : std::sqrt(squares / double(rows.size() * kProbes));
+}
+
+}  // namespace relume

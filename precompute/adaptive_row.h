@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "precompute/probing.h"
+#include "precompute/row_tracer.h"
+#include "precompute/sender_set.h"
+
+namespace relume {
+
+/// Weighted mean of rows, gathered densely.
+class RowMean {
+ public:
+  explicit RowMean(std::size_t senders) : sums_(senders, 0.0), touched_(senders) {}
+  void add(const FormFactorRow& row, double weight) {
+    weight_ += weight;
+    for (std::size_t i = 0; i < row.senders.size(); ++i) {
+      sums_[row.senders[i]] += weight * double(row.values[i]);
+      touched_.insert(row.senders[i]);
+    }
+  }
+  FormFactorRow finish();
+
+ private:
+  std::vector<double> sums_;
+  SenderSet touched_;
+  double weight_ = 0.0;
+};
+
+/// Two rows of one receiver, each of half of its rays: one half of the sequence after the other.
+struct RowHalves {
+  TracedRow first, second;
+};
+
+/// By how much the irradiance of the rows is uncertain, relative to that of their room: root mean square over
+/// rows and probes of half the difference of the halves. Of points that avoid each other this is more than
+/// the error of their mean.
+double row_noise(const Probing& probing, std::span<const RowHalves> rows);
+
+}  // namespace relume

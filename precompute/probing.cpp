@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: MIT
+#include "precompute/probing.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <iterator>
+#include <map>
+#include <numeric>
+
+#include "core/quantities.h"
+#include "core/sky.h"
+#include "precompute/sampling.h"
+
+namespace relume {
+namespace {
+
+constexpr int kBounces = 12;
+constexpr float kLeastAlbedo = 0.2f, kMostAlbedo = 0.8f;
+/// By how much albedo may differ inside a material.
+constexpr float kTexture = 0.2f;
+/// Rooms beyond so many, and those of less than this share of all surface, glow instead of being lit: shadow
+/// rays are for the large ones.
+constexpr std::uint32_t kLitRooms = 24;
+constexpr float kLeastLitShare = 0.01f;
+constexpr float kDimmest = 1e-3f;
+
+/// Numbers by chance, the same everywhere.
+class Dice {
+ public:
+  Dice(std::uint64_t seed, std::uint64_t a, std::uint64_t b) : state_(mix(mix(seed, a), b)) {}
+  /// In [0, 1).
+  float next() {
+    state_ = mix(state_, 1);
+    return float(state_ >> 40) / float(1 << 24);
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+struct ProbedCluster {
+  SurfacePoint at;  ///< middle of its largest element
+  float area = 0.0f;
+  std::uint32_t material = 0;
+};
+
+struct ProbedRoom {
+  std::vector<std::uint32_t> clusters;
+  std::vector<float> area_up_to;  ///< with each cluster
+
+  float area() const { return area_up_to.back(); }
+  std::uint32_t choose(float u) const {
+    const auto found = std::upper_bound(area_up_to.begin(), area_up_to.end() - 1, u * area());
+    return clusters[std::size_t(found - area_up_to.begin())];
+  }
+};
+
+std::vector<ProbedCluster> clusters_of(const ProbedScene& scene) {
+  std::vector<ProbedCluster> clusters;
+  for (const ClusteredSurface& own : scene.surfaces) {
+    clusters.resize(own.first_cluster + own.cluster_count);
+    std::vector<float> largest(own.cluster_count, 0.0f);
+    for (std::size_t e = 0; e < own.cluster.size(); ++e) {
+      const Element& element = own.surface.elements[e];
+      ProbedCluster& cluster = clusters[own.first_cluster + own.cluster[e]];
+      cluster.area += element.area;
+      cluster.material = element.material;
+      if (element.area <= largest[own.cluster[e]]) continue;
+      largest[own.cluster[e]] = element.area;
+      cluster.at = {element.position, element.normal};
+    }
+  }
+  return clusters;
+}
+
+/// Makes the lightings and follows their light.
+class Prober {
+ public:
+  Prober(const ProbedScene& scene, const std::vector<FormFactorRow>& rows, std::vector<std::uint32_t> rooms)
+      : scene_(scene), rows_(rows), clusters_(clusters_of(scene)) {
+    result_.rooms = std::move(rooms);
+    result_.senders.assign(scene.senders.weights.size(), ProbeValues{});
+    for (std::uint32_t c = 0; c < clusters_.size(); ++c) {
+      const std::uint32_t room = result_.rooms[c];
+      if (room >= rooms_.size()) rooms_.resize(room + 1);
+      rooms_[room].area_up_to.push_back((rooms_[room].clusters.empty() ? 0.0f : rooms_[room].area()) +
+                                        clusters_[c].area);
+      rooms_[room].clusters.push_back(c);
+    }
+    std::vector<float> areas;
+    for (const ProbedRoom& room : rooms_) areas.push_back(room.area());
+    std::sort(areas.begin(), areas.end(), std::greater<>());
+    least_lit_area_ = kLeastLitShare * std::accumulate(areas.begin(), areas.end(), 0.0f);
+    if (areas.size() > kLitRooms) least_lit_area_ = std::max(least_lit_area_, areas[kLitRooms]);
+  }
+
+  Probing run() {
+    light();
+    bounce();
+    weigh();
+    for (std::size_t i = 0; i < clusters_.size(); ++i) {
+      for (std::size_t p = 0; p < kProbes; ++p)
+        result_.senders[i][p] *= 1.0f + kTexture * (2.0f * Dice(scene_.seed, 0x7465 + i, p).next() - 1.0f);
+    }
+    result_.nodes = node_means(result_.senders);
+    return std::move(result_);
+  }
+
+ private:
+  void light();
+  void light_room(std::uint32_t room, std::size_t probe);
+  void point_light(const ProbedRoom& room, Dice& dice, std::size_t probe);
+  void glowing_patch(const ProbedRoom& room, Dice& dice, std::size_t probe);
+  /// Those of one material, by turns; false when there are none.
+  bool emitters_of_room(std::uint32_t room, float strength, std::size_t probe);
+  void sky(std::size_t probe);
+  float albedo(std::uint32_t material, std::size_t probe) const {
+    return kLeastAlbedo + (kMostAlbedo - kLeastAlbedo) * Dice(scene_.seed, 0x616c + material, probe).next();
+  }
+  void bounce();
+  void weigh();
+  std::vector<ProbeValues> irradiance(const std::vector<ProbeValues>& senders) const;
+  std::vector<ProbeValues> node_means(const std::vector<ProbeValues>& senders) const;
+  /// Senders with the mean of up to four neighbours each, as a model of clusters of twice the size would have
+  /// them.
+  std::vector<ProbeValues> coarser(const std::vector<ProbeValues>& senders) const;
+  /// Root mean square over each room.
+  std::vector<ProbeValues> room_means(const std::vector<ProbeValues>& clusters) const;
+
+  const ProbedScene& scene_;
+  const std::vector<FormFactorRow>& rows_;
+  std::vector<ProbedCluster> clusters_;
+  std::vector<ProbedRoom> rooms_;
+  float least_lit_area_ = 0.0f;
+  std::vector<ProbeValues> emitted_;   ///< per cluster: exitance
+  std::vector<ProbeValues> arriving_;  ///< per cluster: direct irradiance
+  Probing result_;
+};
+
+void Prober::light() {
+  emitted_.assign(clusters_.size(), ProbeValues{});
+  arriving_.assign(clusters_.size(), ProbeValues{});
+  for (std::size_t p = 0; p < kProbes; ++p) {
+    if (p % 4 == 0) sky(p);
+    for (std::uint32_t room = 0; room < rooms_.size(); ++room) light_room(room, p);
+  }
+}
+
+void Prober::light_room(std::uint32_t index, std::size_t probe) {
+  const ProbedRoom& room = rooms_[index];
+  Dice dice(scene_.seed, 0x726f + index, probe);
+  const float kind = dice.next();
+  const float strength = 0.2f + 0.8f * dice.next();
+  if (room.area() < least_lit_area_) {
+    for (const auto c : room.clusters) emitted_[c][probe] = strength * dice.next();
+  } else if (kind < 0.2f && rooms_.size() > 1) {
+    return;  // dark, but for what comes from its neighbours
+  } else if (probe % 2 == 1 && emitters_of_room(index, strength, probe)) {
+    return;
+  } else if (kind > 0.8f) {
+    glowing_patch(room, dice, probe);
+  } else {
+    point_light(room, dice, probe);
+  }
+}
+
+void Prober::point_light(const ProbedRoom& room, Dice& dice, std::size_t probe) {
+  const SurfacePoint& under = clusters_[room.choose(dice.next())].at;
+  const glm::vec3 start = under.position + scene_.geometry.offset * under.normal;
+  RayPacket up{};
+  up.far.fill(-1.0f);
+  up.origin_x[0] = start.x, up.origin_y[0] = start.y, up.origin_z[0] = start.z;
+  up.direction_x[0] = under.normal.x, up.direction_y[0] = under.normal.y, up.direction_z[0] = under.normal.z;
+  const float most = std::sqrt(room.area());
+  up.far[0] = most;
+  scene_.caster.closest_hits(up);
+  const float height = std::min(up.far[0], most) * (0.1f + 0.8f * dice.next());
+  const glm::vec3 position = start + height * under.normal;
+  // As much flux as would give the room one lux.
+  const float intensity = room.area() / float(4.0 * kPi);
+  tbb::parallel_for(std::size_t{0}, clusters_.size(), [&](std::size_t c) {
+    const SurfacePoint& at = clusters_[c].at;
+    const glm::vec3 to = position - at.position;
+    const float squared = glm::dot(to, to), cosine = glm::dot(to, at.normal);
+    if (cosine <= 0.0f || squared <= 0.0f) return;
+    if (scene_.caster.occluded(at.position + scene_.geometry.offset * at.normal, position)) return;
+    const float distance = std::sqrt(squared);
+    arriving_[c][probe] += intensity * (cosine / distance) / std::max(squared, 0.25f * clusters_[c].area);
+  });
+}
+
+void Prober::glowing_patch(const ProbedRoom& room, Dice& dice, std::size_t probe) {
+  const SurfacePoint& middle = clusters_[room.choose(dice.next())].at;
+  const float radius = 0.1f * std::sqrt(room.area());
+  std::vector<std::uint32_t> patch;
+  float area = 0.0f;
+  for (const auto c : room.clusters) {
+    const SurfacePoint& at = clusters_[c].at;
+    if (glm::length(at.position - middle.position) > radius || glm::dot(at.normal, middle.normal) < 0.5f)
+      continue;
+    patch.push_back(c);
+    area += clusters_[c].area;
+  }
+  for (const auto c : patch) emitted_[c][probe] += room.area() / area;
+}
+
+bool Prober::emitters_of_room(std::uint32_t index, float strength, std::size_t probe) {
+  std::map<std::uint32_t, float> areas;  // per material
+  for (const Emitter& emitter : scene_.emitters.list) {
+    if (result_.rooms[emitter.cluster] == index) areas[emitter.material] += float(emitter.area);
+  }
+  if (areas.empty()) return false;
+  const auto [material, area] = *std::next(areas.begin(), std::ptrdiff_t(probe / 2 % areas.size()));
+  for (const Emitter& emitter : scene_.emitters.list) {
+    if (result_.rooms[emitter.cluster] == index && emitter.material == material)
+      emitted_[emitter.cluster][probe] += strength * rooms_[index].area() / area;
+  }
+  return true;
+}
+
+void Prober::sky(std::size_t probe) {
+  Dice dice(scene_.seed, 0x736b, probe);
+  const glm::vec3 bright = glm::normalize(glm::vec3(dice.next() - 0.5f, dice.next(), dice.next() - 0.5f));
+  for (std::size_t i = 0; i < scene_.senders.sky_cells.size(); ++i) {
+    const glm::vec3 direction(sky_cell_direction(scene_.senders.sky_cells[i], scene_.senders.sky_resolution));
+    result_.senders[clusters_.size() + i][probe] =
+        probe == 0 ? 1.0f : 1.0f + 0.9f * glm::dot(direction, bright);
+  }
+}
+
+std::vector<ProbeValues> Prober::irradiance(const std::vector<ProbeValues>& senders) const {
+  std::vector<ProbeValues> sums(rows_.size(), ProbeValues{});
+  tbb::parallel_for(std::size_t{0}, rows_.size(), [&](std::size_t r) {
+    for (std::size_t i = 0; i < rows_[r].senders.size(); ++i) {
+      const ProbeValues& from = senders[rows_[r].senders[i]];
+      for (std::size_t p = 0; p < kProbes; ++p) sums[r][p] += rows_[r].values[i] * from[p];
+    }
+  });
+  return sums;
+}
+
+void Prober::bounce() {
+  for (int k = 0; k <= kBounces; ++k) {
+    const std::vector<ProbeValues> indirect =
+        k == 0 ? std::vector<ProbeValues>(rows_.size(), ProbeValues{}) : irradiance(result_.senders);
+    for (std::size_t c = 0; c < clusters_.size(); ++c) {
+      for (std::size_t p = 0; p < kProbes; ++p) {
+        result_.senders[c][p] =
+            emitted_[c][p] + albedo(clusters_[c].material, p) * (arriving_[c][p] + indirect[c][p]);
+      }
+    }
+  }
+}
+
+std::vector<ProbeValues> Prober::room_means(const std::vector<ProbeValues>& clusters) const {
+  std::vector<ProbeValues> means(rooms_.size(), ProbeValues{});
+  for (std::size_t room = 0; room < rooms_.size(); ++room) {
+    for (const auto c : rooms_[room].clusters) {
+      for (std::size_t p = 0; p < kProbes; ++p)
+        means[room][p] += clusters_[c].area / rooms_[room].area() * clusters[c][p] * clusters[c][p];
+    }
+    for (float& mean : means[room]) mean = std::sqrt(mean);
+  }
+  return means;
+}
+
+void Prober::weigh() {
+  const std::vector<ProbeValues> means = room_means(irradiance(result_.senders));
+  ProbeValues brightest{};
+  for (const ProbeValues& mean : means) {
+    for (std::size_t p = 0; p < kProbes; ++p) brightest[p] = std::max(brightest[p], mean[p]);
+  }
+  result_.weights.assign(rooms_.size(), ProbeValues{});
+  for (std::size_t room = 0; room < rooms_.size(); ++room) {
+    for (std::size_t p = 0; p < kProbes; ++p) {
+      const float least = kDimmest * brightest[p];
+      if (least > 0.0f) result_.weights[room][p] = 1.0f / std::max(means[room][p], least);
+    }
+  }
+  // What emits is known by its cluster; only reflected light is smeared.
+  std::vector<ProbeValues> reflected(result_.senders.size(), ProbeValues{});
+  for (std::size_t c = 0; c < clusters_.size(); ++c) {
+    for (std::size_t p = 0; p < kProbes; ++p) reflected[c][p] = result_.senders[c][p] - emitted_[c][p];
+  }
+  std::vector<ProbeValues> change = coarser(reflected);
+  for (std::size_t i = 0; i < change.size(); ++i) {
+    for (std::size_t p = 0; p < kProbes; ++p) change[i][p] -= reflected[i][p];
+  }
+  const std::vector<ProbeValues> errors = room_means(irradiance(change));
+  double worst = 0.0;
+  for (std::size_t room = 0; room < rooms_.size(); ++room) {
+    if (rooms_[room].area() < least_lit_area_) continue;
+    double sum = 0.0;
+    for (std::size_t p = 0; p < kProbes; ++p) {
+      const double error = double(errors[room][p]) * double(result_.weights[room][p]);
+      sum += error * error / kProbes;
+    }
+    worst = std::max(worst, std::sqrt(sum));
+  }
+  // From twice the size down to this one: of second order in the size, a third of the change is left.
+  result_.cluster_error = worst / 3.0;
+}
+
+std::vector<ProbeValues> Prober::node_means(const std::vector<ProbeValues>& senders) const {
+  const ClusterTree& tree = scene_.senders.tree;
+  std::vector<ProbeValues> means(tree.nodes.size());
+  std::vector<double> weights(tree.nodes.size());
+  // Children stand after their parents.
+  for (std::size_t n = tree.nodes.size(); n-- > 0;) {
+    const TreeNodeRange& node = tree.nodes[n];
+    if (node.count == 1) {
+      means[n] = senders[node.first];
+      weights[n] = scene_.senders.weights[node.first];
+      continue;
+    }
+    weights[n] = weights[node.left] + weights[node.left + 1];
+    const auto share = float(weights[node.left] / weights[n]);
+    for (std::size_t p = 0; p < kProbes; ++p)
+      means[n][p] = share * means[node.left][p] + (1.0f - share) * means[node.left + 1][p];
+  }
+  return means;
+}
+
+std::vector<ProbeValues> Prober::coarser(const std::vector<ProbeValues>& senders) const {
+  constexpr std::uint32_t kOfTwiceTheSize = 4;
+  const ClusterTree& tree = scene_.senders.tree;
+  const std::vector<ProbeValues> means = node_means(senders);
+  std::vector<ProbeValues> result = senders;
+  std::vector<std::uint32_t> open = tree.roots;
+  while (!open.empty()) {
+    const TreeNodeRange node = tree.nodes[open.back()];
+    const ProbeValues& mean = means[open.back()];
+    open.pop_back();
+    if (node.first >= clusters_.size()) continue;
+    if (node.count > kOfTwiceTheSize) {
+      open.insert(open.end(), {node.left, node.left + 1});
+    } else {
+      std::fill_n(result.begin() + node.first, node.count, mean);
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+Probing probe(const ProbedScene& scene, const std::vector<FormFactorRow>& rows,
+              std::vector<std::uint32_t> rooms) {
+  return Prober(scene, rows, std::move(rooms)).run();
+}
+
+}  // namespace relume

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+//
+// Probing emissions: lightings made from the geometry alone, that stand for those that the precompute does
+// not know. What they leave on the surfaces tells which differences between senders matter and how many rays
+// a row needs.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "precompute/cluster_tree.h"
+#include "precompute/emitters.h"
+#include "precompute/number_senders.h"
+#include "precompute/row_tracer.h"
+
+namespace relume {
+
+/// So many lightings at once, one channel each.
+inline constexpr std::size_t kProbes = 16;
+using ProbeValues = std::array<float, kProbes>;
+
+/// Radiosities under the probing emissions. Numbers of senders are those of a SenderTree.
+struct Probing {
+  std::vector<ProbeValues> senders;  ///< per sender, lm/m2; with what albedos may differ inside a material
+  std::vector<ProbeValues> nodes;    ///< per node of the tree: mean of its senders by weight
+  std::vector<std::uint32_t> rooms;  ///< per cluster
+  std::vector<ProbeValues> weights;  ///< per room: 1 / root mean square of its irradiance; of a room that
+                                     ///< nothing lights, as if it had a thousandth of that of the brightest
+  double cluster_error = 0.0;  ///< of irradiance, relative to its root mean square in the room: what clusters
+                               ///< of this size are estimated to cost, root mean square over rooms and probes
+};
+
+/// What the rows of a survey are traced against, and where its clusters lie.
+struct ProbedScene {
+  const Geometry& geometry;
+  const RayCaster& caster;
+  const std::vector<ClusteredSurface>& surfaces;
+  const Emitters& emitters;
+  const SenderTree& senders;
+  std::uint64_t seed = 0;
+};
+
+/// Each room (`rooms` per cluster) is lit by turns by point lights in its free space, by its possible
+/// emitters, by patches of its surface, by the sky and by its neighbours only; materials take albedos by
+/// chance. `rows`: per cluster, of few rays. In the calling task arena; the same for any number of threads.
+Probing probe(const ProbedScene& scene, const std::vector<FormFactorRow>& rows,
+              std::vector<std::uint32_t> rooms);
+
+}  // namespace relume

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#include "precompute/surfaces.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "precompute/assemble_model.h"
+
+namespace relume {
+namespace {
+
+constexpr double kDefaultLumels = 40000.0;
+constexpr double kDefaultClusters = 4000.0;
+/// Where clearances decide, clusters may be so many times as large.
+constexpr double kLargestOfDefault = 4.0;
+
+/// Sizes that were not asked for follow the scene's area; two significant digits, so that the number means
+/// something to a reader.
+double two_digits(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
+  return std::ceil(value / unit) * unit;
+}
+
+void choose_sizes(const PrecomputeOptions& options, const Geometry& geometry, PrecomputeReport& report) {
+  const double area = std::max(geometry.area, 1e-12);
+  report.cluster_size =
+      options.cluster_size > 0.0 ? options.cluster_size : two_digits(std::sqrt(area / kDefaultClusters));
+  report.texel_size =
+      options.texel_size > 0.0 ? options.texel_size : two_digits(std::sqrt(area / kDefaultLumels));
+  if (options.texel_size <= 0.0) report.texel_size = std::min(report.texel_size, report.cluster_size);
+  if (report.cluster_size < report.texel_size) report.cluster_size = report.texel_size;
+}
+
+}  // namespace
+
+Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
+                              Geometry geometry, PrecomputeReport& report) {
+  Surfaces surfaces;
+  surfaces.geometry = std::move(geometry);
+  choose_sizes(options, surfaces.geometry, report);
+  surfaces.charts = make_charts(scene, surfaces.geometry, report.texel_size, report.warnings);
+  auto layouts = lay_out_systems(scene, surfaces.geometry, surfaces.charts);
+  if (!layouts) return tl::unexpected(layouts.error());
+  if (layouts->empty())
+    return fail(ErrorCode::bad_input,
+                fmt::format("{}: every node says receiver \"none\"; nothing is left to receive light",
+                            scene.file_name));
+  surfaces.layouts = std::move(*layouts);
+  for (const SystemLayout& layout : surfaces.layouts) {
+    ClusteredSurface system;
+    system.surface = make_elements(surfaces.geometry, surfaces.charts, layout, caster);
+    report.occlusion_rays += system.surface.occlusion_rays;
+    surfaces.own_elements.push_back(own_elements(scene, surfaces.charts, system.surface));
+    surfaces.systems.push_back(std::move(system));
+  }
+  return surfaces;
+}
+
+void cluster_surfaces(const Scene& scene, const RayCaster& caster, const PrecomputeReport& report,
+                      double clearance_share, const std::vector<std::vector<float>>& clearances,
+                      Surfaces& surfaces) {
+  const auto texels = texel_sizes(scene, report.texel_size);
+  std::uint32_t first = 0;
+  for (std::size_t s = 0; s < surfaces.systems.size(); ++s) {
+    ClusteredSurface& system = surfaces.systems[s];
+    ClusterSizes sizes{report.cluster_size, 0.0, {}};
+    if (clearance_share > 0.0)
+      sizes = {kLargestOfDefault * report.cluster_size, clearance_share, clearances[s]};
+    system.cluster = make_clusters(surfaces.geometry, surfaces.charts, surfaces.layouts[s], system.surface,
+                                   caster, texels, sizes);
+    system.cluster_count = 0;
+    for (const auto c : system.cluster) system.cluster_count = std::max(system.cluster_count, c + 1);
+    system.first_cluster = first;
+    first += system.cluster_count;
+  }
+}
+
+Emitters possible_emitters(const Scene& scene, const Surfaces& surfaces) {
+  std::vector<bool> materials, nodes;
+  for (const SceneMaterial& m : scene.materials) {
+    materials.push_back(!m.unlit && (m.emission.r > 0.0 || m.emission.g > 0.0 || m.emission.b > 0.0));
+  }
+  for (const SceneNode& n : scene.nodes) nodes.push_back(n.extras.emitter.value_or(false));
+  return find_emitters(surfaces.geometry, surfaces.charts, surfaces.systems, materials, nodes);
+}
+
+}  // namespace relume

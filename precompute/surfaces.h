@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+//
+// The surfaces of a scene, cut into charts, lumels and clusters.
+#pragma once
+
+#include <vector>
+
+#include "precompute/clusters.h"
+#include "precompute/emitters.h"
+#include "precompute/precompute.h"
+
+namespace relume {
+
+struct Surfaces {
+  Geometry geometry;
+  std::vector<Chart> charts;
+  std::vector<SystemLayout> layouts;
+  std::vector<ClusteredSurface> systems;
+  std::vector<std::vector<bool>> own_elements;  ///< per system and element: whether it is a lumel's own
+
+  std::uint32_t cluster_count() const { return systems.back().first_cluster + systems.back().cluster_count; }
+};
+
+/// Charts, lumels and elements; clusters come with cluster_surfaces. Chooses the sizes that nobody asked for,
+/// and reports them. Fails when nothing receives light.
+Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
+                              Geometry geometry, PrecomputeReport& report);
+
+/// Groups the elements of all systems anew: clusters of report.cluster_size, or with a `clearance_share` no
+/// larger than that share of their clearance.
+void cluster_surfaces(const Scene& scene, const RayCaster& caster, const PrecomputeReport& report,
+                      double clearance_share, const std::vector<std::vector<float>>& clearances,
+                      Surfaces& surfaces);
+
+/// Clusters of materials that emit, and of nodes that say that they may.
+Emitters possible_emitters(const Scene& scene, const Surfaces& surfaces);
+
+}  // namespace relume

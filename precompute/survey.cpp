@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#include "precompute/survey.h"
+
+#include "precompute/rooms.h"
+
+namespace relume {
+namespace {
+
+std::vector<std::uint32_t> rooms_of(const std::vector<ClusteredSurface>& surfaces,
+                                    const std::vector<FormFactorRow>& rows) {
+  std::vector<glm::vec3> centroids(rows.size(), glm::vec3(0.0f));
+  std::vector<float> areas(rows.size(), 0.0f);
+  for (const ClusteredSurface& surface : surfaces) {
+    for (std::size_t e = 0; e < surface.cluster.size(); ++e) {
+      const Element& element = surface.surface.elements[e];
+      centroids[surface.first_cluster + surface.cluster[e]] += element.area * element.position;
+      areas[surface.first_cluster + surface.cluster[e]] += element.area;
+    }
+  }
+  for (std::size_t c = 0; c < rows.size(); ++c) centroids[c] /= areas[c];
+  return find_rooms(rows, centroids, areas);
+}
+
+/// In the order of new numbers.
+template <class T>
+std::vector<T> reordered(std::vector<T> values, const std::vector<std::uint32_t>& numbers) {
+  std::vector<T> result(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) result[numbers[i]] = std::move(values[i]);
+  return result;
+}
+
+}  // namespace
+
+Result<Survey> survey(RowScene& scene, const std::vector<Chart>& charts,
+                      std::vector<ClusteredSurface>& surfaces, SenderLookup& lookup, Emitters& emitters,
+                      RowCounts& counts, const ProgressObserver& observer) {
+  auto rows = trace_survey(scene, charts, surfaces, counts, observer);
+  if (!rows) return tl::unexpected(rows.error());
+  std::vector<std::uint32_t> rooms = rooms_of(surfaces, *rows);
+  std::vector<std::uint32_t> numbers;
+  Survey result;
+  result.senders = number_senders(emitters, rooms, scene.sky_resolution, surfaces, numbers);
+  renumber(numbers, *rows);
+  renumber(numbers, emitters);
+  lookup.renumber(numbers);
+  for (std::uint32_t& sender : scene.sky_senders) sender = numbers[sender];
+  const ProbedScene probed{scene.geometry, scene.caster, surfaces, emitters, result.senders, scene.seed};
+  result.probing = probe(probed, reordered(std::move(*rows), numbers), reordered(std::move(rooms), numbers));
+  return result;
+}
+
+}  // namespace relume

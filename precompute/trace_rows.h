@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "precompute/row_plan.h"
+#include "precompute/surfaces.h"
+#include "precompute/survey.h"
+#include "precompute/system_tiles.h"
+
+namespace relume {
+
+/// All rows of a model, cut where there is a survey.
+struct TracedRows {
+  std::vector<SystemRows> systems;
+  std::vector<SystemTiles> tiles;  ///< per system; none without a survey
+  SensorRows sensors;
+  std::vector<std::vector<std::uint32_t>> orders;  ///< per system: elements as the model stores them
+};
+
+/// In the calling task arena. Cancelled when the observer says so.
+Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces,
+                              std::span<const SurfacePoint> sensors, const RowPlan& plan,
+                              const Survey* survey, RowCounts& counts, const ProgressObserver& observer);
+
+}  // namespace relume

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+//
+// Rooms of matrices made by hand.
+#include "precompute/rooms.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace relume::test {
+namespace {
+
+/// `count` rooms in a row of so many clusters of 1 m2 each, a metre apart; each cluster sees all of its room
+/// alike, and through the door to the next room so much.
+struct Corridor {
+  std::vector<FormFactorRow> rows;
+  std::vector<glm::vec3> centroids;
+  std::vector<float> areas;
+
+  Corridor(std::uint32_t rooms, std::uint32_t clusters, float through_door) {
+    for (std::uint32_t c = 0; c < rooms * clusters; ++c) {
+      const std::uint32_t room = c / clusters;
+      centroids.push_back({float(c), 0.0f, 0.0f});
+      areas.push_back(1.0f);
+      FormFactorRow row;
+      for (std::uint32_t j = 0; j < rooms * clusters; ++j) {
+        const std::uint32_t other = j / clusters;
+        const bool next = other + 1 == room || other == room + 1;
+        const float share = other == room ? 1.0f - 2.0f * through_door : next ? through_door : 0.0f;
+        if (share <= 0.0f) continue;
+        row.senders.push_back(j);
+        row.values.push_back(share / float(clusters));
+      }
+      rows.push_back(row);
+    }
+  }
+  std::size_t found() const {
+    const auto rooms = find_rooms(rows, centroids, areas);
+    return std::set<std::uint32_t>(rooms.begin(), rooms.end()).size();
+  }
+};
+
+TEST(Rooms, AreWhatDoorsPart) {
+  const Corridor corridor(8, 20, 0.01f);
+  const auto rooms = find_rooms(corridor.rows, corridor.centroids, corridor.areas);
+  for (std::uint32_t c = 0; c < rooms.size(); ++c) EXPECT_EQ(rooms[c], c / 20) << c;
+}
+
+TEST(Rooms, ArePartedBySealedWalls) {
+  EXPECT_EQ(Corridor(3, 10, 0.0f).found(), 3u);
+}
+
+TEST(Rooms, AreOneWhereHalfOfTheLightPasses) {
+  EXPECT_EQ(Corridor(2, 30, 0.25f).found(), 1u);
+}
+
+TEST(Rooms, AHallIsOneRoom) {
+  EXPECT_EQ(Corridor(1, 200, 0.0f).found(), 1u);
+}
+
+}  // namespace
+}  // namespace relume::test
