@@ -4,6 +4,7 @@
 #include <embree3/rtcore.h>
 
 #include <bit>
+#include <cstddef>
 #include <cstring>
 #include <limits>
 
@@ -79,24 +80,23 @@ std::string describe(RTCDevice device) {
          std::to_string(version % 100) + " " + instruction_set() + " robust";
 }
 
-/// Rays in Embree's layout; `valid` -1 or 0 per lane.
-void copy_rays(const RayPacket& packet, RTCRay8& rays, std::array<int, kPacketSize>& valid) {
-  static_assert(kPacketSize == 8);
-  std::memcpy(rays.org_x, packet.origin_x.data(), sizeof packet.origin_x);
-  std::memcpy(rays.org_y, packet.origin_y.data(), sizeof packet.origin_y);
-  std::memcpy(rays.org_z, packet.origin_z.data(), sizeof packet.origin_z);
-  std::memcpy(rays.tnear, packet.near.data(), sizeof packet.near);
-  std::memcpy(rays.dir_x, packet.direction_x.data(), sizeof packet.direction_x);
-  std::memcpy(rays.dir_y, packet.direction_y.data(), sizeof packet.direction_y);
-  std::memcpy(rays.dir_z, packet.direction_z.data(), sizeof packet.direction_z);
-  std::memcpy(rays.tfar, packet.far.data(), sizeof packet.far);
-  for (int lane = 0; lane < kPacketSize; ++lane) {
-    valid[lane] = packet.far[lane] >= packet.near[lane] ? -1 : 0;
-    rays.time[lane] = 0.0f;
-    rays.mask[lane] = ~0u;
-    rays.flags[lane] = 0;
+static_assert(sizeof(RayPacket) == sizeof(RTCRayHit8) && alignof(RayPacket) == alignof(RTCRayHit8));
+static_assert(offsetof(RayPacket, near) == offsetof(RTCRayHit8, ray.tnear) &&
+              offsetof(RayPacket, far) == offsetof(RTCRayHit8, ray.tfar) &&
+              offsetof(RayPacket, mask) == offsetof(RTCRayHit8, ray.mask) &&
+              offsetof(RayPacket, flags) == offsetof(RTCRayHit8, ray.flags) &&
+              offsetof(RayPacket, u) == offsetof(RTCRayHit8, hit.u) &&
+              offsetof(RayPacket, triangle) == offsetof(RTCRayHit8, hit.primID) &&
+              offsetof(RayPacket, geometry) == offsetof(RTCRayHit8, hit.geomID));
+
+/// -1 for lanes with a ray, 0 for others.
+struct alignas(32) ValidLanes {
+  explicit ValidLanes(const RayPacket& packet) {
+    for (int lane = 0; lane < kPacketSize; ++lane)
+      valid[lane] = packet.far[lane] >= packet.near[lane] ? -1 : 0;
   }
-}
+  std::array<int, kPacketSize> valid;
+};
 
 }  // namespace
 
@@ -135,37 +135,29 @@ Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
   return RayCaster(std::move(scene));
 }
 
-void RayCaster::closest_hits(RayPacket& packet) const {
+void RayCaster::closest_hits(RayPacket& packet, RaySpread spread) const {
   HitContext context;
   rtcInitIntersectContext(&context.base);
+  if (spread == RaySpread::narrow) context.base.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   context.distance.fill(std::numeric_limits<float>::infinity());
   context.triangle.fill(kNoTriangle);
-  RTCRayHit8 rays;
-  alignas(32) std::array<int, kPacketSize> valid;
-  copy_rays(packet, rays.ray, valid);
-  for (int lane = 0; lane < kPacketSize; ++lane) {
-    rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-    rays.hit.primID[lane] = kNoTriangle;
-  }
-  rtcIntersect8(valid.data(), scene_->scene.get(), &context.base, &rays);
-  std::memcpy(packet.far.data(), rays.ray.tfar, sizeof packet.far);
-  std::memcpy(packet.u.data(), rays.hit.u, sizeof packet.u);
-  std::memcpy(packet.v.data(), rays.hit.v, sizeof packet.v);
-  std::memcpy(packet.triangle.data(), rays.hit.primID, sizeof packet.triangle);
+  packet.triangle.fill(kNoTriangle);
+  packet.geometry.fill(RTC_INVALID_GEOMETRY_ID);
+  const ValidLanes lanes(packet);
+  rtcIntersect8(lanes.valid.data(), scene_->scene.get(), &context.base,
+                reinterpret_cast<RTCRayHit8*>(&packet));
 }
 
-std::uint32_t RayCaster::occluded(const RayPacket& packet) const {
+std::uint32_t RayCaster::occluded(RayPacket& packet) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  RTCRay8 rays;
-  alignas(32) std::array<int, kPacketSize> valid;
-  copy_rays(packet, rays, valid);
-  rtcOccluded8(valid.data(), scene_->scene.get(), &context, &rays);
-  std::uint32_t lanes = 0;
+  const ValidLanes lanes(packet);
+  rtcOccluded8(lanes.valid.data(), scene_->scene.get(), &context, reinterpret_cast<RTCRay8*>(&packet));
+  std::uint32_t hidden = 0;
   for (int lane = 0; lane < kPacketSize; ++lane) {
-    if (valid[lane] != 0 && rays.tfar[lane] < 0.0f) lanes |= 1u << lane;
+    if (lanes.valid[lane] != 0 && packet.far[lane] < 0.0f) hidden |= 1u << lane;
   }
-  return lanes;
+  return hidden;
 }
 
 bool RayCaster::occluded(const glm::vec3& a, const glm::vec3& b) const {

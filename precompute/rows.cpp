@@ -100,7 +100,7 @@ Result<SystemRows> trace_system(const RowScene& scene, const std::vector<Chart>&
   rows.elements.resize(system.surface.elements.size());
   rows.element_back_face_share.resize(system.surface.elements.size());
   const auto members = members_of_clusters(system);
-  const SobolPoints points(options.quality);
+  const SobolPoints points(options.quality, options.quality);
   Workers workers([&] { return Worker(scene); });
   Progress progress(observer, "rays", system.cluster_count);
   tbb::parallel_for(std::uint32_t{0}, system.cluster_count, [&](std::uint32_t c) {
@@ -118,7 +118,8 @@ Result<std::vector<FormFactorRow>> trace_sensors(const RowScene& scene, std::spa
                                                  const RowOptions& options, RowCounts& counts,
                                                  const ProgressObserver& observer) {
   std::vector<FormFactorRow> rows(points.size());
-  const SobolPoints samples(points.empty() ? 0 : options.sensor_quality);
+  const std::uint32_t rays = points.empty() ? 0 : options.sensor_quality;
+  const SobolPoints samples(rays, rays);
   Workers workers([&] { return Worker(scene); });
   Progress progress(observer, "sensors", points.size());
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {

@@ -46,6 +46,25 @@ TEST(RayCaster, CoincidentTrianglesGoToTheLowestIndexInAnyOrder) {
   }
 }
 
+TEST(RayCaster, TheSpreadOfRaysChangesNoAnswer) {
+  const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}, {0, 2, 3}};
+  const auto caster = RayCaster::create(kSquare, triangles);
+  ASSERT_TRUE(caster);
+  for (const RaySpread spread : {RaySpread::wide, RaySpread::narrow}) {
+    RayPacket packet = one_ray({0.5f, 0.5f, 1.0f}, {0, 0, -1});
+    packet.far.fill(std::numeric_limits<float>::infinity());
+    packet.far[7] = -1.0f;
+    for (std::size_t lane = 0; lane < kPacketSize; ++lane) {
+      packet.origin_x[lane] = 0.3f + 0.1f * float(lane), packet.origin_y[lane] = 0.55f;
+      packet.origin_z[lane] = 1.0f;
+    }
+    caster->closest_hits(packet, spread);
+    // Below the diagonal x = y lies triangle 0; beyond x = 1 nothing.
+    const std::array<std::uint32_t, 8> expected{1, 1, 1, 0, 0, 0, 0, kNoTriangle};
+    EXPECT_EQ(packet.triangle, expected);
+  }
+}
+
 TEST(RayCaster, OccludedLooksBetweenThePointsOnly) {
   const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}, {0, 2, 3}};
   const auto caster = RayCaster::create(kSquare, triangles);
