@@ -1,7 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
 // The one door to Embree: no other file includes it. Closest hits and occlusion against a fixed set of
-// triangles, in robust mode, ISA pinned, hits at equal distance going to the lowest triangle.
+// triangles, in robust mode, ISA pinned.
+//
+// Hits at equal distance go to the lowest triangle, never to the order in which Embree's tree is walked. They
+// are found where they can be: at the edges of triangles, and on triangles that lie on others in one plane
+// (overlap_in_plane.h), which are marked when the scene is made. A ray that meets one of those is traced once
+// more around the hit; all others need no filter, which would be called for every triangle that a ray meets.
+// Not found is the edge of one triangle that touches the inside of another, as where a wall stands on a
+// floor: rays within rounding of it, one in millions, may go to either. Embree's tree, and with it the
+// answer, is the same for any number of threads.
 #pragma once
 
 #include <array>

@@ -37,7 +37,7 @@ TEST(Sobol, EveryDimensionIsStratified) {
   }
 }
 
-// Boxes of a net that hold 8 points each: 8 neighbours share a box of 1/8 x 1/16 under every seed, and each
+// Boxes of a net that hold 8 points each: 8 neighbours share a box of 1/16 x 1/8 under every seed, and each
 // group holds the points that it held.
 TEST(Sobol, GroupedPointsAreTheSameAndNeighboursShareABox) {
   constexpr std::uint32_t kCount = 2048, kGrouped = 1024;
