@@ -124,12 +124,15 @@ void number_clusters(const Emitters& emitters, const std::vector<std::uint32_t>&
   rows.clusters = std::move(ordered);
 }
 
-std::vector<bool> seen_senders(std::size_t count, const std::vector<SystemRows>& rows,
-                               const std::vector<FormFactorRow>& sensor_rows) {
-  std::vector<bool> seen(count, false);
+/// Per sky cell whether some row sees it; those stand at the ends of rows.
+std::vector<bool> seen_sky(std::uint32_t cluster_count, std::size_t cells,
+                           const std::vector<SystemRows>& rows,
+                           const std::vector<FormFactorRow>& sensor_rows) {
+  std::vector<bool> seen(cells, false);
   const auto mark = [&](const std::vector<FormFactorRow>& some) {
     for (const FormFactorRow& row : some) {
-      for (const auto sender : row.senders) seen[sender] = true;
+      for (auto s = row.senders.rbegin(); s != row.senders.rend() && *s >= cluster_count; ++s)
+        seen[*s - cluster_count] = true;
     }
   };
   for (const SystemRows& system : rows) {
@@ -145,7 +148,7 @@ void number_sky(const std::vector<bool>& seen, std::uint32_t cluster_count, std:
   std::vector<std::uint32_t> cells;
   std::vector<TreeLeaf> leaves;
   for (std::uint32_t cell = 0; cell < 6 * sky_resolution * sky_resolution; ++cell) {
-    if (!seen[cluster_count + cell]) continue;
+    if (!seen[cell]) continue;
     cells.push_back(cell);
     leaves.push_back({glm::vec3(sky_cell_direction(cell, sky_resolution)), glm::vec3(0.0f),
                       float(sky_cell_solid_angle(cell, sky_resolution)), 0});
@@ -167,7 +170,7 @@ SenderTree number_senders(const Emitters& emitters, std::uint32_t sky_resolution
   const std::uint32_t cluster_count = surfaces.back().first_cluster + surfaces.back().cluster_count;
   const std::vector<std::uint32_t> rooms = find_rooms(surfaces, rows, cluster_count);
   std::vector<std::uint32_t> numbers(cluster_count + 6 * sky_resolution * sky_resolution, kNone);
-  const std::vector<bool> seen = seen_senders(numbers.size(), rows, sensor_rows);
+  const std::vector<bool> seen = seen_sky(cluster_count, numbers.size() - cluster_count, rows, sensor_rows);
   SenderTree senders;
   for (std::size_t s = 0; s < surfaces.size(); ++s)
     number_clusters(emitters, rooms, surfaces[s], rows[s], senders, numbers);
