@@ -45,12 +45,13 @@ void trace_single(RTCScene scene, const RayList& list, std::size_t first, std::s
 }
 
 template <class Rays, std::size_t Width>
-void trace_packets(RTCScene scene, const RayList& list, std::size_t first, std::size_t last,
+void trace_packets(RTCScene scene, const RayList& list, std::size_t first, std::size_t last, bool alike,
                    HitCount& count) {
   for (; first < last; first += Width) {
     const std::size_t lanes = std::min(Width, last - first);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
+    if (alike) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     Rays rays;
     alignas(64) std::array<int, Width> valid;
     const auto copy = [&](float* to, const std::vector<float>& from) {
@@ -117,7 +118,7 @@ Result<BareEmbree> BareEmbree::create(std::span<const glm::vec3> positions,
   return BareEmbree(std::move(state));
 }
 
-HitCount BareEmbree::trace(const RayList& rays, int width) const {
+HitCount BareEmbree::trace(const RayList& rays, int width, bool alike) const {
   using Range = tbb::blocked_range<std::size_t>;
   const std::size_t tasks = (rays.size() + rays.per_receiver - 1) / rays.per_receiver;
   return tbb::parallel_reduce(
@@ -126,8 +127,8 @@ HitCount BareEmbree::trace(const RayList& rays, int width) const {
         const std::size_t first = range.begin() * rays.per_receiver;
         const std::size_t last = std::min(rays.size(), range.end() * rays.per_receiver);
         if (width == 1) trace_single(state_->scene, rays, first, last, count);
-        if (width == 8) trace_packets<RTCRayHit8, 8>(state_->scene, rays, first, last, count);
-        if (width == 16) trace_packets<RTCRayHit16, 16>(state_->scene, rays, first, last, count);
+        if (width == 8) trace_packets<RTCRayHit8, 8>(state_->scene, rays, first, last, alike, count);
+        if (width == 16) trace_packets<RTCRayHit16, 16>(state_->scene, rays, first, last, alike, count);
         return count;
       },
       [](HitCount a, const HitCount& b) {

@@ -29,7 +29,7 @@ void append(const HemispherePacket& packet, RayList& rays) {
 }  // namespace
 
 Result<RayList> rays_of_precompute(const Scene& scene, const Geometry& geometry,
-                                   const PrecomputeOptions& options) {
+                                   const PrecomputeOptions& options, RayOrder order_of_rays) {
   const auto caster = RayCaster::create(geometry.positions, geometry.triangles);
   if (!caster) return tl::unexpected(caster.error());
   std::vector<std::string> warnings;
@@ -37,7 +37,7 @@ Result<RayList> rays_of_precompute(const Scene& scene, const Geometry& geometry,
   const auto layouts = lay_out_systems(scene, geometry, charts);
   if (!layouts) return tl::unexpected(layouts.error());
   const auto texels = texel_sizes(scene, options.texel_size);
-  const SobolPoints points(options.quality);
+  const SobolPoints points(options.quality, order_of_rays == RayOrder::grouped ? options.quality : 0);
   RayList rays;
   rays.per_receiver = options.quality;
   for (const SystemLayout& layout : *layouts) {

@@ -19,9 +19,13 @@ struct RayList {
   std::size_t size() const { return origin_x.size(); }
 };
 
+/// Rays of one receiver: as the sequence gives them, or as the precompute groups them, so that those of a
+/// packet go nearly the same way.
+enum class RayOrder { sequence, grouped };
+
 /// All closest-hit rays that precompute() traces for the lumels and clusters of `scene`, in the order of the
 /// clusters. `options` has sizes, and no sensors.
 Result<RayList> rays_of_precompute(const Scene& scene, const Geometry& geometry,
-                                   const PrecomputeOptions& options);
+                                   const PrecomputeOptions& options, RayOrder order);
 
 }  // namespace relume::bench

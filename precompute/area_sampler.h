@@ -41,31 +41,17 @@ class AreaSampler {
   SurfacePoint sample(float u, float v) const;
 
   /// The same for lanes; inline, so that it becomes part of vectorised loops.
-  void sample(const Lanes& u, const Lanes& v, PointLanes& points) const {
-    std::array<std::int32_t, kLanes> index{};
+  [[gnu::always_inline]] void sample(const Lanes& u, const Lanes& v, PointLanes& points) const {
     Lanes target;
     for (std::size_t lane = 0; lane < kLanes; ++lane) target[lane] = u[lane] * area();
-    if (patches_.size() <= kFewPatches) {
-      for (std::size_t p = 0; p + 1 < patches_.size(); ++p) {
-        for (std::size_t lane = 0; lane < kLanes; ++lane)
-          index[lane] += target[lane] >= area_above_[p] ? 1 : 0;
-      }
-    } else {
-      for (std::size_t lane = 0; lane < kLanes; ++lane) index[lane] = std::int32_t(find(target[lane]));
+    points.patch.fill(0);
+    if (patches_.size() == 1) {
+      const Patch only = patches_[0];
+      place([&](std::size_t) -> const Patch& { return only; }, target, v, points);
+      return;
     }
-    Lanes along1, along2;
-    for (std::size_t lane = 0; lane < kLanes; ++lane)
-      along1[lane] = share(patches_[std::size_t(index[lane])], target[lane]);
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const glm::vec2 at = triangle_point(along1[lane], v[lane]);
-      along1[lane] = at.x, along2[lane] = at.y;
-    }
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const Patch& patch = patches_[std::size_t(index[lane])];
-      const glm::vec3 point = patch.corner + along1[lane] * patch.edge1 + along2[lane] * patch.edge2;
-      points.patch[lane] = std::uint32_t(index[lane]);
-      points.x[lane] = point.x, points.y[lane] = point.y, points.z[lane] = point.z;
-    }
+    choose_patches(target, points);
+    place([&](std::size_t lane) -> const Patch& { return patches_[points.patch[lane]]; }, target, v, points);
   }
 
  private:
@@ -76,6 +62,32 @@ class AreaSampler {
   static float share(const Patch& patch, float target) {
     const float share = (target - patch.area_below) * patch.inverse_area;
     return share > 0.0f ? (share < 0.99999994f ? share : 0.99999994f) : 0.0f;
+  }
+  [[gnu::always_inline]] void choose_patches(const Lanes& target, PointLanes& points) const {
+    if (patches_.size() > kFewPatches) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane)
+        points.patch[lane] = std::uint32_t(find(target[lane]));
+      return;
+    }
+    for (std::size_t p = 0; p + 1 < patches_.size(); ++p) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane)
+        points.patch[lane] += target[lane] >= area_above_[p] ? 1u : 0u;
+    }
+  }
+  template <class PatchOf>
+  [[gnu::always_inline]] static void place(const PatchOf& patch_of, const Lanes& target, const Lanes& v,
+                                           PointLanes& points) {
+    Lanes along1, along2;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) along1[lane] = share(patch_of(lane), target[lane]);
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const glm::vec2 at = triangle_point(along1[lane], v[lane]);
+      along1[lane] = at.x, along2[lane] = at.y;
+    }
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const Patch& patch = patch_of(lane);
+      const glm::vec3 point = patch.corner + along1[lane] * patch.edge1 + along2[lane] * patch.edge2;
+      points.x[lane] = point.x, points.y[lane] = point.y, points.z[lane] = point.z;
+    }
   }
   std::size_t find(float target) const {
     return std::size_t(std::upper_bound(area_above_.begin(), area_above_.end() - 1, target) -

@@ -16,7 +16,7 @@ constexpr std::uint32_t kRays = 32;
 
 std::vector<float> clearances(const Geometry& geometry, const RayCaster& caster,
                               const std::vector<Chart>& charts, const SystemSurface& surface) {
-  const SobolPoints points(kRays);
+  const SobolPoints points(kRays, kRays);
   std::vector<float> result(surface.elements.size());
   tbb::parallel_for(std::size_t{0}, result.size(), [&](std::size_t e) {
     const Element& element = surface.elements[e];
@@ -26,7 +26,7 @@ std::vector<float> clearances(const Geometry& geometry, const RayCaster& caster,
     HemispherePacket packet;
     for (std::uint32_t first = 0; first < kRays; first += kPacketSize) {
       fill_packet(geometry, caster, receiver, points, receiver.key(), first, packet);
-      caster.closest_hits(packet.rays);
+      caster.closest_hits(packet.rays, RaySpread::narrow);
       for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
         if (!packet.used[lane]) continue;
         count += 1.0;

@@ -3,42 +3,42 @@
 
 #include <embree3/rtcore.h>
 
-#include <bit>
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
 #include <cstring>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <limits>
+
+#include "precompute/overlap_in_plane.h"
+#include "precompute/ray_offset.h"
 
 namespace relume {
 namespace {
 
-/// What the filter knows of each lane's best hit so far.
-struct HitContext {
+/// What the rays of a packet have met first in the order of triangles, not of distance.
+struct LowestHits {
   RTCIntersectContext base;
-  std::array<float, kPacketSize> distance;
-  std::array<std::uint32_t, kPacketSize> triangle;
+  RayPacket::Numbers triangle;
+  RayPacket::Floats distance, u, v;
 };
 
-/// Bit l: lane l of a packet is valid. Nearly always there is one, anywhere.
-std::uint32_t valid_lanes(const int* valid) {
-  std::uint32_t lanes = 0;
-  for (int lane = 0; lane < kPacketSize; ++lane)
-    lanes |= (static_cast<std::uint32_t>(valid[lane]) & 1u) << lane;
-  return lanes;
-}
-
-/// Accepts a hit at the distance of the best one so far only from a lower triangle: the answer does not
-/// depend on the order in which the BVH is walked.
-void prefer_lowest_triangle(const RTCFilterFunctionNArguments* arguments) {
-  auto* context = reinterpret_cast<HitContext*>(arguments->context);
-  const float* distance = &RTCRayN_tfar(arguments->ray, kPacketSize, 0);
-  const unsigned* triangle = &RTCHitN_primID(arguments->hit, kPacketSize, 0);
-  for (std::uint32_t lanes = valid_lanes(arguments->valid); lanes != 0; lanes &= lanes - 1) {
-    const int lane = std::countr_zero(lanes);
-    if (distance[lane] == context->distance[lane] && triangle[lane] > context->triangle[lane]) {
-      arguments->valid[lane] = 0;
-      continue;
-    }
-    context->distance[lane] = distance[lane];
-    context->triangle[lane] = triangle[lane];
+/// Books the lowest triangle of each ray and lets it pass on through everything. Rays have their lanes as
+/// ids: Embree may take a packet apart.
+void keep_lowest(const RTCFilterFunctionNArguments* arguments) {
+  auto& lowest = *reinterpret_cast<LowestHits*>(arguments->context);
+  const unsigned n = arguments->N;
+  for (unsigned i = 0; i < n; ++i) {
+    if (arguments->valid[i] == 0) continue;
+    arguments->valid[i] = 0;
+    const unsigned lane = RTCRayN_id(arguments->ray, n, i);
+    const std::uint32_t triangle = RTCHitN_primID(arguments->hit, n, i);
+    if (triangle >= lowest.triangle[lane]) continue;
+    lowest.triangle[lane] = triangle;
+    lowest.distance[lane] = RTCRayN_tfar(arguments->ray, n, i);
+    lowest.u[lane] = RTCHitN_u(arguments->hit, n, i);
+    lowest.v[lane] = RTCHitN_v(arguments->hit, n, i);
   }
 }
 
@@ -56,18 +56,75 @@ struct SceneRelease {
 using Device = std::unique_ptr<RTCDeviceTy, DeviceRelease>;
 using EmbreeScene = std::unique_ptr<RTCSceneTy, SceneRelease>;
 
-void attach_triangles(RTCDevice device, RTCScene scene, std::span<const glm::vec3> positions,
-                      std::span<const std::array<std::uint32_t, 3>> triangles) {
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// What the scene is made of.
+struct Mesh {
+  std::span<const glm::vec3> positions;
+  std::span<const Triangle> triangles;
+  float largest = 0.0f;  ///< coordinate
+
+  std::array<glm::vec3, 3> corners(std::size_t triangle) const {
+    const Triangle& t = triangles[triangle];
+    return {positions[t[0]], positions[t[1]], positions[t[2]]};
+  }
+};
+
+/// Finds the triangles that lie on others, through boxes that meet.
+struct OverlapSearch {
+  Mesh mesh;
+  std::vector<std::uint8_t> overlaps;  ///< per triangle: whether it lies on another
+};
+
+void box_of_triangle(const RTCBoundsFunctionArguments* arguments) {
+  const auto& search = *static_cast<const OverlapSearch*>(arguments->geometryUserPtr);
+  const auto corners = search.mesh.corners(arguments->primID);
+  const float margin = search.mesh.largest * 0x1p-20f;
+  const glm::vec3 lower = glm::min(glm::min(corners[0], corners[1]), corners[2]) - margin;
+  const glm::vec3 upper = glm::max(glm::max(corners[0], corners[1]), corners[2]) + margin;
+  *arguments->bounds_o = {lower.x, lower.y, lower.z, 0.0f, upper.x, upper.y, upper.z, 0.0f};
+}
+
+/// Called from several threads at once.
+void test_pairs(void* user, RTCCollision* pairs, unsigned count) {
+  auto& search = *static_cast<OverlapSearch*>(user);
+  for (const RTCCollision& pair : std::span(pairs, count)) {
+    if (pair.primID0 == pair.primID1 ||
+        !overlap_in_plane(search.mesh.corners(pair.primID0), search.mesh.corners(pair.primID1),
+                          search.mesh.largest))
+      continue;
+    for (const unsigned triangle : {pair.primID0, pair.primID1})
+      std::atomic_ref(search.overlaps[triangle]).store(1, std::memory_order_relaxed);
+  }
+}
+
+/// Per triangle whether it lies on another; empty where none does.
+std::vector<std::uint8_t> find_overlaps(RTCDevice device, const Mesh& mesh) {
+  OverlapSearch search{mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 0)};
+  const EmbreeScene boxes(rtcNewScene(device));
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(mesh.triangles.size()));
+  rtcSetGeometryUserData(geometry, &search);
+  rtcSetGeometryBoundsFunction(geometry, box_of_triangle, nullptr);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(boxes.get(), geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(boxes.get());
+  rtcCollide(boxes.get(), boxes.get(), test_pairs, &search);
+  const bool any = std::find(search.overlaps.begin(), search.overlaps.end(), 1) != search.overlaps.end();
+  return any ? std::move(search.overlaps) : std::vector<std::uint8_t>();
+}
+
+void attach_triangles(RTCDevice device, RTCScene scene, const Mesh& mesh) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                           sizeof(glm::vec3), positions.size());
+                                           sizeof(glm::vec3), mesh.positions.size());
   void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                          sizeof(std::array<std::uint32_t, 3>), triangles.size());
+                                          sizeof(Triangle), mesh.triangles.size());
   if (vertices != nullptr && indices != nullptr) {
-    std::memcpy(vertices, positions.data(), positions.size_bytes());
-    std::memcpy(indices, triangles.data(), triangles.size_bytes());
+    std::memcpy(vertices, mesh.positions.data(), mesh.positions.size_bytes());
+    std::memcpy(indices, mesh.triangles.data(), mesh.triangles.size_bytes());
   }
-  rtcSetGeometryIntersectFilterFunction(geometry, prefer_lowest_triangle);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
@@ -79,22 +136,68 @@ std::string describe(RTCDevice device) {
          std::to_string(version % 100) + " " + instruction_set() + " robust";
 }
 
-/// Rays in Embree's layout; `valid` -1 or 0 per lane.
-void copy_rays(const RayPacket& packet, RTCRay8& rays, std::array<int, kPacketSize>& valid) {
-  static_assert(kPacketSize == 8);
-  std::memcpy(rays.org_x, packet.origin_x.data(), sizeof packet.origin_x);
-  std::memcpy(rays.org_y, packet.origin_y.data(), sizeof packet.origin_y);
-  std::memcpy(rays.org_z, packet.origin_z.data(), sizeof packet.origin_z);
-  std::memcpy(rays.tnear, packet.near.data(), sizeof packet.near);
-  std::memcpy(rays.dir_x, packet.direction_x.data(), sizeof packet.direction_x);
-  std::memcpy(rays.dir_y, packet.direction_y.data(), sizeof packet.direction_y);
-  std::memcpy(rays.dir_z, packet.direction_z.data(), sizeof packet.direction_z);
-  std::memcpy(rays.tfar, packet.far.data(), sizeof packet.far);
+static_assert(sizeof(RayPacket) == sizeof(RTCRayHit8) && alignof(RayPacket) == alignof(RTCRayHit8));
+static_assert(offsetof(RayPacket, near) == offsetof(RTCRayHit8, ray.tnear) &&
+              offsetof(RayPacket, far) == offsetof(RTCRayHit8, ray.tfar) &&
+              offsetof(RayPacket, mask) == offsetof(RTCRayHit8, ray.mask) &&
+              offsetof(RayPacket, flags) == offsetof(RTCRayHit8, ray.flags) &&
+              offsetof(RayPacket, u) == offsetof(RTCRayHit8, hit.u) &&
+              offsetof(RayPacket, triangle) == offsetof(RTCRayHit8, hit.primID) &&
+              offsetof(RayPacket, geometry) == offsetof(RTCRayHit8, hit.geomID));
+
+/// A barycentric coordinate below which a hit lies at an edge.
+constexpr float kNearEdge = 1e-6f;
+
+/// -1 for chosen lanes, 0 for others.
+struct alignas(32) LaneChoice : std::array<int, kPacketSize> {
+  bool any() const {
+    return std::any_of(begin(), end(), [](int lane) { return lane != 0; });
+  }
+};
+
+LaneChoice lanes_with_rays(const RayPacket& packet) {
+  LaneChoice lanes;
+  for (int lane = 0; lane < kPacketSize; ++lane) lanes[lane] = packet.far[lane] >= packet.near[lane] ? -1 : 0;
+  return lanes;
+}
+
+/// Lanes that met a triangle at one of its edges, or one that lies on another (`overlaps` per triangle; may
+/// be empty).
+LaneChoice lanes_with_ties(const RayPacket& packet, const std::vector<std::uint8_t>& overlaps) {
+  LaneChoice lanes;
   for (int lane = 0; lane < kPacketSize; ++lane) {
-    valid[lane] = packet.far[lane] >= packet.near[lane] ? -1 : 0;
-    rays.time[lane] = 0.0f;
-    rays.mask[lane] = ~0u;
-    rays.flags[lane] = 0;
+    const float w = 1.0f - packet.u[lane] - packet.v[lane];
+    const float least = std::min(std::min(packet.u[lane], packet.v[lane]), w);
+    lanes[lane] = packet.triangle[lane] != kNoTriangle && least < kNearEdge ? -1 : 0;
+  }
+  if (overlaps.empty()) return lanes;
+  for (int lane = 0; lane < kPacketSize; ++lane) {
+    if (packet.triangle[lane] != kNoTriangle && overlaps[packet.triangle[lane]] != 0) lanes[lane] = -1;
+  }
+  return lanes;
+}
+
+/// Gives hits to the lowest triangle among those as far away, up to rounding.
+void settle_ties(RTCScene scene, const LaneChoice& lanes, float largest, RayPacket& packet) {
+  LowestHits lowest;
+  rtcInitIntersectContext(&lowest.base);
+  lowest.base.filter = keep_lowest;
+  lowest.triangle.fill(kNoTriangle);
+  RayPacket around = packet;
+  around.geometry.fill(RTC_INVALID_GEOMETRY_ID);
+  for (int lane = 0; lane < kPacketSize; ++lane) {
+    const glm::vec3 direction(packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]);
+    const float margin = (packet.far[lane] + largest / glm::length(direction)) * 0x1p-20f;
+    around.near[lane] = std::max(packet.near[lane], packet.far[lane] - margin);
+    around.far[lane] = packet.far[lane] + margin;
+    around.id[lane] = std::uint32_t(lane);
+  }
+  rtcIntersect8(lanes.data(), scene, &lowest.base, reinterpret_cast<RTCRayHit8*>(&around));
+  for (int lane = 0; lane < kPacketSize; ++lane) {
+    if (lanes[lane] == 0 || lowest.triangle[lane] == kNoTriangle) continue;
+    packet.triangle[lane] = lowest.triangle[lane];
+    packet.far[lane] = lowest.distance[lane];
+    packet.u[lane] = lowest.u[lane], packet.v[lane] = lowest.v[lane];
   }
 }
 
@@ -104,6 +207,8 @@ struct RayCaster::Scene {
   Device device;
   EmbreeScene scene;
   std::string description;
+  std::vector<std::uint8_t> overlaps;  ///< per triangle: whether it lies on another; empty: none does
+  float largest = 0.0f;                ///< coordinate
 };
 
 RayCaster::RayCaster(std::unique_ptr<Scene> scene) : scene_(std::move(scene)) {}
@@ -121,10 +226,15 @@ Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
   scene->device.reset(rtcNewDevice((std::string("isa=") + instruction_set()).c_str()));
   if (!scene->device) return fail(ErrorCode::out_of_memory, "Embree could not create a device");
   scene->scene.reset(rtcNewScene(scene->device.get()));
-  rtcSetSceneFlags(scene->scene.get(), RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneFlags(scene->scene.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   // Spatial splits of the high-quality builder depend on timing between threads; binned SAH does not.
   rtcSetSceneBuildQuality(scene->scene.get(), RTC_BUILD_QUALITY_MEDIUM);
-  if (!triangles.empty()) attach_triangles(scene->device.get(), scene->scene.get(), positions, triangles);
+  const Mesh mesh{positions, triangles, largest_coordinate(positions)};
+  scene->largest = mesh.largest;
+  if (!triangles.empty()) {
+    scene->overlaps = find_overlaps(scene->device.get(), mesh);
+    attach_triangles(scene->device.get(), scene->scene.get(), mesh);
+  }
   rtcCommitScene(scene->scene.get());
   if (const RTCError error = rtcGetDeviceError(scene->device.get()); error != RTC_ERROR_NONE) {
     return fail(ErrorCode::out_of_memory, "Embree could not build its tree over " +
@@ -135,37 +245,28 @@ Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
   return RayCaster(std::move(scene));
 }
 
-void RayCaster::closest_hits(RayPacket& packet) const {
-  HitContext context;
-  rtcInitIntersectContext(&context.base);
-  context.distance.fill(std::numeric_limits<float>::infinity());
-  context.triangle.fill(kNoTriangle);
-  RTCRayHit8 rays;
-  alignas(32) std::array<int, kPacketSize> valid;
-  copy_rays(packet, rays.ray, valid);
-  for (int lane = 0; lane < kPacketSize; ++lane) {
-    rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-    rays.hit.primID[lane] = kNoTriangle;
-  }
-  rtcIntersect8(valid.data(), scene_->scene.get(), &context.base, &rays);
-  std::memcpy(packet.far.data(), rays.ray.tfar, sizeof packet.far);
-  std::memcpy(packet.u.data(), rays.hit.u, sizeof packet.u);
-  std::memcpy(packet.v.data(), rays.hit.v, sizeof packet.v);
-  std::memcpy(packet.triangle.data(), rays.hit.primID, sizeof packet.triangle);
-}
-
-std::uint32_t RayCaster::occluded(const RayPacket& packet) const {
+void RayCaster::closest_hits(RayPacket& packet, RaySpread spread) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  RTCRay8 rays;
-  alignas(32) std::array<int, kPacketSize> valid;
-  copy_rays(packet, rays, valid);
-  rtcOccluded8(valid.data(), scene_->scene.get(), &context, &rays);
-  std::uint32_t lanes = 0;
+  if (spread == RaySpread::narrow) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  packet.triangle.fill(kNoTriangle);
+  packet.geometry.fill(RTC_INVALID_GEOMETRY_ID);
+  const LaneChoice lanes = lanes_with_rays(packet);
+  rtcIntersect8(lanes.data(), scene_->scene.get(), &context, reinterpret_cast<RTCRayHit8*>(&packet));
+  const LaneChoice ties = lanes_with_ties(packet, scene_->overlaps);
+  if (ties.any()) settle_ties(scene_->scene.get(), ties, scene_->largest, packet);
+}
+
+std::uint32_t RayCaster::occluded(RayPacket& packet) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  const LaneChoice lanes = lanes_with_rays(packet);
+  rtcOccluded8(lanes.data(), scene_->scene.get(), &context, reinterpret_cast<RTCRay8*>(&packet));
+  std::uint32_t hidden = 0;
   for (int lane = 0; lane < kPacketSize; ++lane) {
-    if (valid[lane] != 0 && rays.tfar[lane] < 0.0f) lanes |= 1u << lane;
+    if (lanes[lane] != 0 && packet.far[lane] < 0.0f) hidden |= 1u << lane;
   }
-  return lanes;
+  return hidden;
 }
 
 bool RayCaster::occluded(const glm::vec3& a, const glm::vec3& b) const {

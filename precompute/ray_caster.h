@@ -1,7 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
 // The one door to Embree: no other file includes it. Closest hits and occlusion against a fixed set of
-// triangles, in robust mode, ISA pinned, hits at equal distance going to the lowest triangle.
+// triangles, in robust mode, ISA pinned.
+//
+// Hits at equal distance go to the lowest triangle, never to the order in which Embree's tree is walked. They
+// are found where they can be: at the edges of triangles, and on triangles that lie on others in one plane
+// (overlap_in_plane.h), which are marked when the scene is made. A ray that meets one of those is traced once
+// more around the hit; all others need no filter, which would be called for every triangle that a ray meets.
+// Not found is the edge of one triangle that touches the inside of another, as where a wall stands on a
+// floor: rays within rounding of it, one in millions, may go to either. Embree's tree, and with it the
+// answer, is the same for any number of threads.
 #pragma once
 
 #include <array>
@@ -24,13 +32,25 @@ inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 /// of the hit.
 inline constexpr int kPacketSize = 8;
 
-/// A packet of rays in structure-of-arrays form, and after closest_hits what they met.
+/// A packet of rays in structure-of-arrays form, and after closest_hits what they met. Laid out as Embree has
+/// it, so that nothing is copied; members without a comment are Embree's own.
 struct alignas(32) RayPacket {
-  std::array<float, kPacketSize> origin_x, origin_y, origin_z, near;
-  std::array<float, kPacketSize> direction_x, direction_y, direction_z, far;
-  std::array<std::uint32_t, kPacketSize> triangle;  ///< kNoTriangle: met nothing
-  std::array<float, kPacketSize> u, v;              ///< barycentric, as SurfacePiece
+  using Floats = std::array<float, kPacketSize>;
+  using Numbers = std::array<std::uint32_t, kPacketSize>;
+  Floats origin_x, origin_y, origin_z, near;
+  Floats direction_x, direction_y, direction_z;
+  Floats time{};
+  Floats far;
+  Numbers mask{~0u, ~0u, ~0u, ~0u, ~0u, ~0u, ~0u, ~0u};
+  Numbers id{}, flags{};
+  Floats normal_x, normal_y, normal_z;
+  Floats u, v;       ///< barycentric, as SurfacePiece
+  Numbers triangle;  ///< kNoTriangle: met nothing
+  Numbers geometry, instance;
 };
+
+/// What the rays of a packet have in common. It changes how fast they are traced, not what they meet.
+enum class RaySpread { wide, narrow /**< nearly one origin and one direction */ };
 
 class RayCaster {
  public:
@@ -44,10 +64,11 @@ class RayCaster {
 
   /// Every origin and direction must be finite. Directions need not be unit; distances are in multiples of
   /// them. Thread-safe.
-  void closest_hits(RayPacket& packet) const;
+  void closest_hits(RayPacket& packet, RaySpread spread = RaySpread::wide) const;
 
-  /// Bit l: whether lane l meets anything between near and far. Distances as in closest_hits. Thread-safe.
-  std::uint32_t occluded(const RayPacket& packet) const;
+  /// Bit l: whether lane l meets anything between near and far. Distances as in closest_hits; `far` is used
+  /// up. Thread-safe.
+  std::uint32_t occluded(RayPacket& packet) const;
 
   /// Whether anything lies between a and b, both of them included. Thread-safe.
   bool occluded(const glm::vec3& a, const glm::vec3& b) const;

@@ -67,7 +67,7 @@ RowTracer::Totals RowTracer::trace_hemisphere(const Receiver& receiver, const So
   HemispherePacket packet;
   for (std::uint32_t first = range.first; first < range.first + range.count; first += kPacketSize) {
     fill_packet(scene_.geometry, scene_.caster, receiver, points, key, first, packet);
-    scene_.caster.closest_hits(packet.rays);
+    scene_.caster.closest_hits(packet.rays, RaySpread::narrow);
     for (int lane = 0; lane < kPacketSize; ++lane) {
       if (packet.used[lane]) count_hit(packet.rays, lane, packet.normal(receiver, lane), range.count, totals);
     }

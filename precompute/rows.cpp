@@ -41,6 +41,11 @@ TracedRow mean_of(const RowHalves& halves, RowMean& mean) {
   return {mean.finish(), 0.5f * (halves.first.back_face_share + halves.second.back_face_share)};
 }
 
+/// So many points are traced at once, to begin with.
+std::uint32_t first_stage(const RayLimits& limits) {
+  return limits.exchange > 0.0 ? limits.least / 2 : limits.rays;
+}
+
 /// Rows of receivers that lie side by side, with as many rays each as all of them together ask for.
 std::vector<TracedRow> trace_neighbours(std::span<const Receiver> receivers, const SobolPoints& points,
                                         const RayLimits& limits, Worker& worker, RowRays& rays) {
@@ -137,7 +142,7 @@ Result<SystemRows> trace_system(const RowScene& scene, const TracedSystem& syste
   rows.element_back_face_share.resize(rows.elements.size());
   rows.element_rays.resize(rows.elements.size());
   const auto members = members_of_clusters(system.surface);
-  const SobolPoints points(limits.rays);
+  const SobolPoints points(limits.rays, first_stage(limits));
   Workers workers([&] { return Worker(scene); });
   Progress progress(observer, "rays", clusters);
   for (std::uint32_t first = 0; first < clusters && !progress.cancelled();) {
@@ -159,7 +164,7 @@ Result<std::vector<FormFactorRow>> trace_survey(const RowScene& scene, const std
                                                 const std::vector<ClusteredSurface>& systems,
                                                 RowCounts& counts, const ProgressObserver& observer) {
   std::vector<FormFactorRow> rows(scene.cluster_count);
-  const SobolPoints points(kSurveyRays);
+  const SobolPoints points(kSurveyRays, kSurveyElementRays);
   Workers workers([&] { return Worker(scene); });
   Progress progress(observer, "survey", scene.cluster_count);
   for (const ClusteredSurface& system : systems) {
@@ -204,7 +209,7 @@ double find_exchange(const RowScene& scene, const std::vector<Chart>& charts,
                      RowCounts& counts) {
   constexpr std::uint32_t kPilotRays = 256;
   const std::uint32_t step = scene.cluster_count / kPilotClusters + 1;
-  const SobolPoints points(kPilotRays);
+  const SobolPoints points(kPilotRays, kPilotRays / 2);
   const RayLimits pilot{kPilotRays, kPilotRays, 1e-30, limits.probing};
   Workers workers([&] { return Worker(scene); });
   std::vector<double> squared_noise(scene.cluster_count, -1.0);
@@ -235,7 +240,7 @@ Result<SensorRows> trace_sensors(const RowScene& scene, std::span<const SurfaceP
   SensorRows result;
   result.rows.resize(points.size());
   result.rays.resize(points.size());
-  const SobolPoints samples(points.empty() ? 0 : limits.rays);
+  const SobolPoints samples(points.empty() ? 0 : limits.rays, first_stage(limits));
   Workers workers([&] { return Worker(scene); });
   Progress progress(observer, "sensors", points.size());
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {

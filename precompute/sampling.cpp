@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "precompute/sampling.h"
 
+#include <algorithm>
+#include <numeric>
+
 namespace relume {
 namespace {
 
@@ -45,13 +48,37 @@ constexpr std::uint32_t sobol(std::uint32_t index, int dimension) {
   return result;
 }
 
+/// Position on the Morton curve of a point's first two coordinates. A scramble permutes the boxes of each
+/// level of the curve, and with them the points: those that share a box go on sharing one.
+constexpr std::uint64_t morton_code(std::uint32_t index) {
+  const std::uint32_t x = sobol(index, 0), y = sobol(index, 1);
+  std::uint64_t code = 0;
+  for (std::uint32_t bit = 32; bit-- > 0;) code = code << 2 | (x >> bit & 1u) << 1 | (y >> bit & 1u);
+  return code;
+}
+
+/// Indices of the sequence in the order in which points are kept.
+std::vector<std::uint32_t> kept_order(std::uint32_t count, std::uint32_t grouped) {
+  std::vector<std::uint32_t> order(count);
+  std::iota(order.begin(), order.end(), 0u);
+  if (grouped == 0) return order;
+  std::vector<std::uint64_t> codes(count);
+  std::transform(order.begin(), order.end(), codes.begin(), morton_code);
+  const auto before = [&](std::uint32_t a, std::uint32_t b) { return codes[a] < codes[b]; };
+  for (std::uint64_t first = 0, last = grouped; first < count; first = last, last *= 2) {
+    std::sort(order.begin() + std::ptrdiff_t(first),
+              order.begin() + std::ptrdiff_t(std::min<std::uint64_t>(last, count)), before);
+  }
+  return order;
+}
+
 }  // namespace
 
-SobolPoints::SobolPoints(std::uint32_t count) : count_(count) {
-  const std::size_t padded = (std::size_t{count} + kLanes - 1) / kLanes * kLanes;
+SobolPoints::SobolPoints(std::uint32_t count, std::uint32_t grouped) : count_(count) {
+  std::vector<std::uint32_t> order = kept_order(count, grouped);
+  while (order.size() % kLanes != 0) order.push_back(std::uint32_t(order.size()));
   for (int d = 0; d < 4; ++d) {
-    for (std::uint32_t index = 0; index < padded; ++index)
-      reversed_[std::size_t(d)].push_back(reverse_bits(sobol(index, d)));
+    for (const auto index : order) reversed_[std::size_t(d)].push_back(reverse_bits(sobol(index, d)));
   }
 }
 

@@ -57,7 +57,11 @@ constexpr std::uint32_t reverse_bits(std::uint32_t x) {
 /// Two-Dimensional Projections, 2008), scrambled anew for each seed.
 class SobolPoints {
  public:
-  explicit SobolPoints(std::uint32_t count);
+  /// Where `grouped` > 0, points [0, grouped), [grouped, 2 grouped), [2 grouped, 4 grouped) ... keep to
+  /// themselves but change places in each: neighbours get like first two coordinates, under every seed, so
+  /// that the rays of a packet go nearly the same way. What was so many first points of the sequence still
+  /// is.
+  explicit SobolPoints(std::uint32_t count, std::uint32_t grouped = 0);
   std::uint32_t count() const { return count_; }
   /// Point `index` < count() of the sequence that belongs to `seed`.
   SamplePoint scrambled(std::uint32_t index, std::uint64_t seed) const;

@@ -55,10 +55,13 @@ void visit_tiles(const RowGroup& group, const std::vector<std::uint32_t>& leaves
     for (const CutTile& tile : *group.tiles) visit(tile);
     return;
   }
+  CutTile tile;  // one for all rows: its memory serves again
+  tile.values.resize(1);
   for (const FormFactorRow* row : group.rows) {
-    CutTile tile;
-    for (const auto sender : row->senders) tile.nodes.push_back(leaves[sender]);
-    tile.values.push_back(row->values);
+    tile.nodes.resize(row->senders.size());
+    std::transform(row->senders.begin(), row->senders.end(), tile.nodes.begin(),
+                   [&](std::uint32_t sender) { return leaves[sender]; });
+    tile.values[0].assign(row->values.begin(), row->values.end());
     visit(tile);
   }
 }
@@ -121,8 +124,9 @@ class ImportTable {
     return imports;
   }
   std::vector<std::uint16_t> columns(const CutTile& tile) const {
-    std::vector<std::uint16_t> columns;
-    for (const auto node : tile.nodes) columns.push_back(std::uint16_t(column_[node]));
+    std::vector<std::uint16_t> columns(tile.nodes.size());
+    std::transform(tile.nodes.begin(), tile.nodes.end(), columns.begin(),
+                   [&](std::uint32_t node) { return std::uint16_t(column_[node]); });
     return columns;
   }
 

@@ -25,20 +25,20 @@ float round_down_to_float(double value) {
   return static_cast<double>(rounded) > value ? std::nextafter(rounded, 0.0f) : rounded;
 }
 
-void push_code(EncodedRow& row, std::uint32_t code, double unscaled) {
-  row.codes.push_back(code);
-  row.unscaled.push_back(unscaled);
-}
+struct Code {
+  std::uint32_t code;
+  double unscaled;
+};
 
-void push_f32(EncodedRow& row, double value) {
+Code f32_code(double value) {
   const float stored = static_cast<float>(value);
   const float kept = stored >= std::numeric_limits<float>::min() ? stored : 0.0f;
-  push_code(row, std::bit_cast<std::uint32_t>(kept), kept);
+  return {std::bit_cast<std::uint32_t>(kept), kept};
 }
 
-void push_unorm16(EncodedRow& row, double share) {
+Code unorm16_code(double share) {
   const auto code = static_cast<std::uint32_t>(std::lround(share * kUnorm16Max));
-  push_code(row, code, code / kUnorm16Max);
+  return {code, code / kUnorm16Max};
 }
 
 double square(double value) {
@@ -48,8 +48,8 @@ double square(double value) {
 /// Of the two codes around `share`, the one that leaves the smaller error of the sum so far: neighbours in a
 /// row make up for each other, where rounding each to the nearest would shift the balance of the row. Zero
 /// stays zero.
-void push_sqrt8(EncodedRow& row, double share, double& error) {
-  if (share <= 0.0) return push_code(row, 0, 0.0);
+Code sqrt8_code(double share, double& error) {
+  if (share <= 0.0) return {0, 0.0};
   const double below = std::floor(std::sqrt(share) * kSqrt8Max);
   const double above = std::min(below + 1.0, kSqrt8Max);
   const double error_below = error + square(below / kSqrt8Max) - share;
@@ -57,7 +57,7 @@ void push_sqrt8(EncodedRow& row, double share, double& error) {
   const bool up = std::abs(error_above) < std::abs(error_below);
   error = up ? error_above : error_below;
   const double code = up ? above : below;
-  push_code(row, static_cast<std::uint32_t>(code), square(code / kSqrt8Max));
+  return {static_cast<std::uint32_t>(code), square(code / kSqrt8Max)};
 }
 
 /// The larger of the sums of the row decoded in double and in f32.
@@ -83,19 +83,20 @@ float repaired_scale(const EncodedRow& row, ValueCodec codec, double target) {
 
 EncodedRow encode_row(std::span<const double> values, ValueCodec codec) {
   EncodedRow row;
-  row.codes.reserve(values.size());
-  row.unscaled.reserve(values.size());
-  double row_max = values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
+  row.codes.resize(values.size());
+  row.unscaled.resize(values.size());
+  const double row_max = values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
   const bool dark = row_max < std::numeric_limits<float>::min();
   double error = 0.0;
-  for (const double value : values) {
-    if (dark || codec == ValueCodec::f32) {
-      push_f32(row, dark ? 0.0 : value);
-    } else if (codec == ValueCodec::unorm16) {
-      push_unorm16(row, value / row_max);
-    } else {
-      push_sqrt8(row, value / row_max, error);
-    }
+  const auto encode = [&](double value) {
+    if (dark || codec == ValueCodec::f32) return f32_code(dark ? 0.0 : value);
+    if (codec == ValueCodec::unorm16) return unorm16_code(value / row_max);
+    return sqrt8_code(value / row_max, error);
+  };
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const Code code = encode(values[i]);
+    row.codes[i] = code.code;
+    row.unscaled[i] = code.unscaled;
   }
   const double target = std::min(1.0, std::accumulate(values.begin(), values.end(), 0.0));
   row.scale = repaired_scale(row, codec, target);
@@ -126,17 +127,26 @@ std::size_t tile_bytes(const EncodedTile& tile, std::uint32_t tile_rows, ValueCo
          tile.rows.size() * sizeof(float);
 }
 
+template <class Code>
+void write_codes(const EncodedTile& tile, std::uint32_t tile_rows, std::byte* out) {
+  static_assert(std::endian::native == std::endian::little);
+  for (const std::size_t entry : tile.entries) {
+    for (std::size_t lane = 0; lane < tile.rows.size(); ++lane) {
+      const auto code = static_cast<Code>(tile.rows[lane].codes[entry]);
+      std::memcpy(out + lane * sizeof code, &code, sizeof code);
+    }
+    out += tile_rows * sizeof(Code);
+  }
+}
+
 /// Appends to the values of a block; the last tile is filled up with zeros.
 void append_values(const EncodedTile& tile, MatrixBlock& block) {
-  static_assert(std::endian::native == std::endian::little);
-  const std::size_t width = value_bytes(block.codec);
-  std::size_t end = block.values.size();
-  block.values.resize(end + tile.entries.size() * block.tile_rows * width);
-  for (const std::size_t entry : tile.entries) {
-    for (std::size_t lane = 0; lane < block.tile_rows; ++lane, end += width) {
-      if (lane < tile.rows.size()) std::memcpy(&block.values[end], &tile.rows[lane].codes[entry], width);
-    }
-  }
+  const std::size_t end = block.values.size();
+  block.values.resize(end + tile.entries.size() * block.tile_rows * value_bytes(block.codec));
+  std::byte* out = block.values.data() + end;
+  if (block.codec == ValueCodec::f32) write_codes<std::uint32_t>(tile, block.tile_rows, out);
+  if (block.codec == ValueCodec::unorm16) write_codes<std::uint16_t>(tile, block.tile_rows, out);
+  if (block.codec == ValueCodec::sqrt8) write_codes<std::uint8_t>(tile, block.tile_rows, out);
 }
 
 }  // namespace

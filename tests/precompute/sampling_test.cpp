@@ -37,6 +37,28 @@ TEST(Sobol, EveryDimensionIsStratified) {
   }
 }
 
+// Boxes of a net that hold 8 points each: 8 neighbours share a box of 1/16 x 1/8 under every seed, and each
+// group holds the points that it held.
+TEST(Sobol, GroupedPointsAreTheSameAndNeighboursShareABox) {
+  constexpr std::uint32_t kCount = 2048, kGrouped = 1024;
+  const SobolPoints plain(kCount), grouped(kCount, kGrouped);
+  for (const std::uint64_t seed : {0ull, 77ull}) {
+    for (const std::uint32_t first : {0u, kGrouped}) {
+      std::set<SamplePoint> expected, found;
+      for (std::uint32_t i = first; i < first + kGrouped; ++i) {
+        expected.insert(plain.scrambled(i, seed));
+        found.insert(grouped.scrambled(i, seed));
+      }
+      EXPECT_EQ(found, expected) << "from " << first;
+    }
+    for (std::uint32_t i = 0; i < kCount; ++i) {
+      const SamplePoint a = grouped.scrambled(i / 8 * 8, seed), b = grouped.scrambled(i, seed);
+      EXPECT_LT(std::abs(a[0] - b[0]), 1.0f / 8) << "point " << i;
+      EXPECT_LT(std::abs(a[1] - b[1]), 1.0f / 8) << "point " << i;
+    }
+  }
+}
+
 TEST(Sobol, SeedsAreIndependent) {
   const SobolPoints points(256);
   std::size_t equal = 0;
