@@ -120,7 +120,7 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
     return fail(ErrorCode::bad_input, fmt::format("{}: no static triangles to precompute", scene.file_name));
   const Geometry geometry = make_geometry(scene);
   choose_sizes(options, geometry, report);
-  auto caster = RayCaster::create(geometry.positions, geometry.triangles);
+  auto caster = make_caster(geometry);
   if (!caster) return tl::unexpected(caster.error());
   if (observer && !observer("surfaces", 0.0))
     return fail(ErrorCode::cancelled, "stopped before the surfaces were cut");

@@ -7,12 +7,22 @@
 #include <cstring>
 #include <limits>
 
+#include "precompute/opacity.h"
+
 namespace relume {
 namespace {
 
+/// What filters of triangles that are not opaque know of a query.
+struct QueryContext {
+  RTCIntersectContext base;
+  AlphaTest alpha = AlphaTest::coin;
+  bool multiply = false;       ///< pass on, and count what is left
+  double transmittance = 1.0;  ///< of a query with `multiply`
+};
+
 /// What the filter knows of each lane's best hit so far.
 struct HitContext {
-  RTCIntersectContext base;
+  QueryContext query;
   std::array<float, kPacketSize> distance;
   std::array<std::uint32_t, kPacketSize> triangle;
 };
@@ -42,6 +52,36 @@ void prefer_lowest_triangle(const RTCFilterFunctionNArguments* arguments) {
   }
 }
 
+/// Whether a triangle that is not opaque stops lane `lane`.
+bool stops(const RTCFilterFunctionNArguments* arguments, unsigned lane) {
+  const auto& opacity = *static_cast<const TriangleOpacity*>(arguments->geometryUserPtr);
+  auto& query = *reinterpret_cast<QueryContext*>(arguments->context);
+  RTCRayN* ray = arguments->ray;
+  const unsigned lanes = arguments->N, triangle = RTCHitN_primID(arguments->hit, lanes, lane);
+  const float u = RTCHitN_u(arguments->hit, lanes, lane), v = RTCHitN_v(arguments->hit, lanes, lane);
+  if (query.multiply) {
+    if (!opacity.repeats(triangle)) query.transmittance *= 1.0 - double(opacity.at(triangle, u, v));
+    return query.transmittance <= 0.0;
+  }
+  if (query.alpha == AlphaTest::solid) return opacity.at(triangle, u, v) > 0.0f;
+  const glm::vec3 origin(RTCRayN_org_x(ray, lanes, lane), RTCRayN_org_y(ray, lanes, lane),
+                         RTCRayN_org_z(ray, lanes, lane));
+  const glm::vec3 way(RTCRayN_dir_x(ray, lanes, lane), RTCRayN_dir_y(ray, lanes, lane),
+                      RTCRayN_dir_z(ray, lanes, lane));
+  return !opacity.passes(triangle, u, v, ray_key(origin, way));
+}
+
+void let_alpha_pass(const RTCFilterFunctionNArguments* arguments) {
+  for (unsigned lane = 0; lane < arguments->N; ++lane) {
+    if (arguments->valid[lane] != 0 && !stops(arguments, lane)) arguments->valid[lane] = 0;
+  }
+}
+
+void let_alpha_pass_and_prefer_lowest(const RTCFilterFunctionNArguments* arguments) {
+  let_alpha_pass(arguments);
+  prefer_lowest_triangle(arguments);
+}
+
 /// One instruction set on every machine that has it: results differ between sets in the last place.
 const char* instruction_set() {
   return __builtin_cpu_supports("avx2") ? "avx2" : "sse2";
@@ -56,21 +96,58 @@ struct SceneRelease {
 using Device = std::unique_ptr<RTCDeviceTy, DeviceRelease>;
 using EmbreeScene = std::unique_ptr<RTCSceneTy, SceneRelease>;
 
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// The triangles that are opaque, or the others, as a geometry that numbers all of them: those that do not
+/// belong get a vertex that is not finite, and Embree leaves such triangles out.
 void attach_triangles(RTCDevice device, RTCScene scene, std::span<const glm::vec3> positions,
-                      std::span<const std::array<std::uint32_t, 3>> triangles) {
+                      std::span<const Triangle> triangles, TriangleOpacity& opacity, bool opaque) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                           sizeof(glm::vec3), positions.size());
-  void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                          sizeof(std::array<std::uint32_t, 3>), triangles.size());
+  auto* vertices = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), positions.size() + 1));
+  auto* indices = static_cast<Triangle*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Triangle), triangles.size()));
   if (vertices != nullptr && indices != nullptr) {
+    const auto nowhere = std::uint32_t(positions.size());
     std::memcpy(vertices, positions.data(), positions.size_bytes());
-    std::memcpy(indices, triangles.data(), triangles.size_bytes());
+    vertices[nowhere] = glm::vec3(std::numeric_limits<float>::quiet_NaN());
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+      const bool belongs = opacity.opaque(t) == opaque && !opacity.never_solid(t);
+      indices[t] = belongs ? triangles[t] : Triangle{nowhere, nowhere, nowhere};
+    }
   }
-  rtcSetGeometryIntersectFilterFunction(geometry, prefer_lowest_triangle);
+  rtcSetGeometryIntersectFilterFunction(geometry,
+                                        opaque ? prefer_lowest_triangle : let_alpha_pass_and_prefer_lowest);
+  if (!opaque) {
+    rtcSetGeometryUserData(geometry, &opacity);
+    rtcSetGeometryOccludedFilterFunction(geometry, let_alpha_pass);
+  }
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
+}
+
+/// The ray from a to b.
+RTCRay segment(const glm::vec3& a, const glm::vec3& b) {
+  const glm::vec3 direction = b - a;
+  RTCRay ray{};
+  ray.org_x = a.x;
+  ray.org_y = a.y;
+  ray.org_z = a.z;
+  ray.dir_x = direction.x;
+  ray.dir_y = direction.y;
+  ray.dir_z = direction.z;
+  ray.tnear = 0.0f;
+  ray.tfar = 1.0f;
+  ray.mask = ~0u;
+  return ray;
+}
+
+QueryContext start_query(AlphaTest alpha) {
+  QueryContext query;
+  rtcInitIntersectContext(&query.base);
+  query.alpha = alpha;
+  return query;
 }
 
 std::string describe(RTCDevice device) {
@@ -101,6 +178,7 @@ void copy_rays(const RayPacket& packet, RTCRay8& rays, std::array<int, kPacketSi
 }  // namespace
 
 struct RayCaster::Scene {
+  TriangleOpacity opacity;
   Device device;
   EmbreeScene scene;
   std::string description;
@@ -116,7 +194,8 @@ const std::string& RayCaster::description() const {
 }
 
 Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
-                                    std::span<const std::array<std::uint32_t, 3>> triangles) {
+                                    std::span<const std::array<std::uint32_t, 3>> triangles,
+                                    const Opacity& opacity) {
   auto scene = std::make_unique<Scene>();
   scene->device.reset(rtcNewDevice((std::string("isa=") + instruction_set()).c_str()));
   if (!scene->device) return fail(ErrorCode::out_of_memory, "Embree could not create a device");
@@ -124,7 +203,11 @@ Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
   rtcSetSceneFlags(scene->scene.get(), RTC_SCENE_FLAG_ROBUST);
   // Spatial splits of the high-quality builder depend on timing between threads; binned SAH does not.
   rtcSetSceneBuildQuality(scene->scene.get(), RTC_BUILD_QUALITY_MEDIUM);
-  if (!triangles.empty()) attach_triangles(scene->device.get(), scene->scene.get(), positions, triangles);
+  scene->opacity = TriangleOpacity(opacity, positions, triangles);
+  for (const bool opaque : {true, false}) {
+    if (triangles.empty() || (!opaque && !scene->opacity.any())) continue;
+    attach_triangles(scene->device.get(), scene->scene.get(), positions, triangles, scene->opacity, opaque);
+  }
   rtcCommitScene(scene->scene.get());
   if (const RTCError error = rtcGetDeviceError(scene->device.get()); error != RTC_ERROR_NONE) {
     return fail(ErrorCode::out_of_memory, "Embree could not build its tree over " +
@@ -135,9 +218,9 @@ Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
   return RayCaster(std::move(scene));
 }
 
-void RayCaster::closest_hits(RayPacket& packet) const {
+void RayCaster::closest_hits(RayPacket& packet, AlphaTest alpha) const {
   HitContext context;
-  rtcInitIntersectContext(&context.base);
+  context.query = start_query(alpha);
   context.distance.fill(std::numeric_limits<float>::infinity());
   context.triangle.fill(kNoTriangle);
   RTCRayHit8 rays;
@@ -147,7 +230,7 @@ void RayCaster::closest_hits(RayPacket& packet) const {
     rays.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
     rays.hit.primID[lane] = kNoTriangle;
   }
-  rtcIntersect8(valid.data(), scene_->scene.get(), &context.base, &rays);
+  rtcIntersect8(valid.data(), scene_->scene.get(), &context.query.base, &rays);
   std::memcpy(packet.far.data(), rays.ray.tfar, sizeof packet.far);
   std::memcpy(packet.u.data(), rays.hit.u, sizeof packet.u);
   std::memcpy(packet.v.data(), rays.hit.v, sizeof packet.v);
@@ -155,12 +238,11 @@ void RayCaster::closest_hits(RayPacket& packet) const {
 }
 
 std::uint32_t RayCaster::occluded(const RayPacket& packet) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  QueryContext query = start_query(AlphaTest::coin);
   RTCRay8 rays;
   alignas(32) std::array<int, kPacketSize> valid;
   copy_rays(packet, rays, valid);
-  rtcOccluded8(valid.data(), scene_->scene.get(), &context, &rays);
+  rtcOccluded8(valid.data(), scene_->scene.get(), &query.base, &rays);
   std::uint32_t lanes = 0;
   for (int lane = 0; lane < kPacketSize; ++lane) {
     if (valid[lane] != 0 && rays.tfar[lane] < 0.0f) lanes |= 1u << lane;
@@ -169,21 +251,18 @@ std::uint32_t RayCaster::occluded(const RayPacket& packet) const {
 }
 
 bool RayCaster::occluded(const glm::vec3& a, const glm::vec3& b) const {
-  const glm::vec3 direction = b - a;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  RTCRay ray{};
-  ray.org_x = a.x;
-  ray.org_y = a.y;
-  ray.org_z = a.z;
-  ray.dir_x = direction.x;
-  ray.dir_y = direction.y;
-  ray.dir_z = direction.z;
-  ray.tnear = 0.0f;
-  ray.tfar = 1.0f;
-  ray.mask = ~0u;
-  rtcOccluded1(scene_->scene.get(), &context, &ray);
+  QueryContext query = start_query(AlphaTest::solid);
+  RTCRay ray = segment(a, b);
+  rtcOccluded1(scene_->scene.get(), &query.base, &ray);
   return ray.tfar < 0.0f;
+}
+
+float RayCaster::transmittance(const glm::vec3& a, const glm::vec3& b) const {
+  QueryContext query = start_query(AlphaTest::coin);
+  query.multiply = true;
+  RTCRay ray = segment(a, b);
+  rtcOccluded1(scene_->scene.get(), &query.base, &ray);
+  return ray.tfar < 0.0f ? 0.0f : float(query.transmittance);
 }
 
 }  // namespace relume

@@ -21,7 +21,6 @@
 namespace relume {
 
 enum class AlphaMode : std::uint32_t { opaque, mask, blend };
-enum class WrapMode : std::uint32_t { repeat, mirrored_repeat, clamp_to_edge };
 
 /// A decoded image: 8-bit RGBA, colours sRGB-coded as in the file.
 struct SceneImage {
@@ -47,6 +46,7 @@ struct SceneMaterial {
   std::optional<TextureUse> emission_texture;
   AlphaMode alpha_mode = AlphaMode::opaque;
   double alpha_cutoff = 0.5;
+  double transmission = 0.0;  ///< 0..1: share of the light on its solid part that passes straight through
   bool double_sided = false;
   bool unlit = false;  ///< neither bounces nor emits
 };

@@ -158,6 +158,9 @@ constexpr auto kRules = std::to_array<Rule>({
     object("materials/*/extensions/KHR_materials_unlit"),
     object("materials/*/extensions/KHR_materials_emissive_strength"),
     number("materials/*/extensions/KHR_materials_emissive_strength/emissiveStrength", 0, 1e30),
+    object("materials/*/extensions/KHR_materials_transmission"),
+    number("materials/*/extensions/KHR_materials_transmission/transmissionFactor", 0, 1),
+    object("materials/*/extensions/KHR_materials_transmission/transmissionTexture"),
 
     array("meshes"),
     object("meshes/*"),
