@@ -16,6 +16,8 @@ struct TileCutOptions {
   std::uint32_t rows = 8;    ///< of a tile; the last may have fewer
   std::uint32_t budget = 0;  ///< nodes of a tile
   std::uint32_t rays = 0;    ///< of a row, about
+  /// Per row, if rows differ: a tile gets the largest of its rows', 0 being no limit. Empty: `budget`.
+  std::span<const std::uint32_t> budgets = {};
 };
 
 /// Tiles in the order of their rows; in the calling task arena, the same for any number of threads.

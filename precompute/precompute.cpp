@@ -142,6 +142,8 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   RowOptions row_options{options.quality, options.sensor_quality};
   if (row_options.sensor_quality == 0)
     row_options.sensor_quality = std::min(kMaxQuality, std::max(kMinSensorQuality, 16 * options.quality));
+  for (const SceneNode& node : scene.nodes)
+    row_options.node_quality.push_back(node.extras.quality.value_or(options.quality));
   RowCounts counts;
   std::vector<SystemRows> rows;
   std::vector<std::vector<bool>> own;

@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 
 #include "precompute/progress.h"
@@ -82,6 +83,22 @@ void trace_cluster(const RowScene& scene, const std::vector<Chart>& charts, cons
   }
 }
 
+/// As many points as each node has rays.
+class NodePoints {
+ public:
+  explicit NodePoints(const RowOptions& options) : options_(options) {
+    points_.try_emplace(options.quality, options.quality);
+    for (const auto quality : options.node_quality) points_.try_emplace(quality, quality);
+  }
+  const SobolPoints& of(std::uint32_t node) const {
+    return points_.at(options_.node_quality.empty() ? options_.quality : options_.node_quality[node]);
+  }
+
+ private:
+  const RowOptions& options_;
+  std::map<std::uint32_t, SobolPoints> points_;  ///< by number of rays
+};
+
 /// Elements of each cluster, ascending.
 std::vector<std::vector<std::uint32_t>> members_of_clusters(const ClusteredSurface& system) {
   std::vector<std::vector<std::uint32_t>> members(system.cluster_count);
@@ -100,13 +117,14 @@ Result<SystemRows> trace_system(const RowScene& scene, const std::vector<Chart>&
   rows.elements.resize(system.surface.elements.size());
   rows.element_back_face_share.resize(system.surface.elements.size());
   const auto members = members_of_clusters(system);
-  const SobolPoints points(options.quality);
+  const NodePoints points(options);
   Workers workers([&] { return Worker(scene); });
   Progress progress(observer, "rays", system.cluster_count);
   tbb::parallel_for(std::uint32_t{0}, system.cluster_count, [&](std::uint32_t c) {
     if (progress.cancelled()) return;
-    trace_cluster(scene, charts, system, members[c], own_element, points, workers.local(), rows.clusters[c],
-                  rows);
+    const std::uint32_t node = charts[system.surface.elements[members[c][0]].chart].node;
+    trace_cluster(scene, charts, system, members[c], own_element, points.of(node), workers.local(),
+                  rows.clusters[c], rows);
     progress.one_done();
   });
   if (progress.cancelled()) return fail(ErrorCode::cancelled, "stopped while tracing rays");

@@ -23,6 +23,8 @@ struct SystemRows {
 struct RowOptions {
   std::uint32_t quality = 512;  ///< rays per element
   std::uint32_t sensor_quality = 8192;
+  std::vector<std::uint32_t> node_quality =
+      {};  ///< rays per element of each node of the scene; empty: `quality`
 };
 
 struct RowCounts {

@@ -20,6 +20,7 @@ constexpr std::uint32_t kSensorShare = 4;  ///< budget of a sensor, which shares
 /// is a tile of its leaves.
 struct RowGroup {
   std::vector<const FormFactorRow*> rows;
+  std::vector<std::uint32_t> budgets;  ///< per row; 0: no limit
   std::vector<CutTile> tiles;
 };
 
@@ -28,11 +29,22 @@ struct SystemRowGroups {
   RowGroup clusters, lumels, sensors;
 };
 
-SystemRowGroups row_groups(const ModelParts& parts, std::size_t s, const std::vector<std::uint32_t>& order) {
+/// Per node of the scene: what its rows may keep.
+std::vector<std::uint32_t> node_budgets(const Scene& scene, std::uint32_t budget) {
+  std::vector<std::uint32_t> budgets;
+  for (const SceneNode& node : scene.nodes) budgets.push_back(node.extras.budget.value_or(budget));
+  return budgets;
+}
+
+SystemRowGroups row_groups(const ModelParts& parts, std::size_t s, const std::vector<std::uint32_t>& order,
+                           const System& system, const std::vector<std::uint32_t>& budgets) {
   SystemRowGroups groups;
   for (const FormFactorRow& row : parts.rows[s].clusters) groups.clusters.rows.push_back(&row);
+  for (const Cluster& cluster : system.clusters) groups.clusters.budgets.push_back(budgets[cluster.node]);
   for (const auto e : order) {
-    if (parts.own_elements[s][e]) groups.lumels.rows.push_back(&parts.rows[s].elements[e]);
+    if (!parts.own_elements[s][e]) continue;
+    groups.lumels.rows.push_back(&parts.rows[s].elements[e]);
+    groups.lumels.budgets.push_back(budgets[parts.charts[parts.surfaces[s].surface.elements[e].chart].node]);
   }
   // Sensors go to the first system: only there are their rows needed.
   if (s == 0) {
@@ -48,9 +60,9 @@ void cut_groups(const ModelParts& parts, const PrecomputeOptions& options, Syste
       std::uint32_t(double(options.quality) * std::max<double>(1.0, double(lumels) / double(clusters)));
   const std::uint32_t sensor_rays = options.sensor_quality > 0 ? options.sensor_quality : options.quality;
   groups.clusters.tiles =
-      cut_rows(parts.senders, groups.clusters.rows, {kTileRows, options.budget, cluster_rays});
+      cut_rows(parts.senders, groups.clusters.rows, {kTileRows, 0, cluster_rays, groups.clusters.budgets});
   groups.lumels.tiles =
-      cut_rows(parts.senders, groups.lumels.rows, {kTileRows, options.budget, options.quality});
+      cut_rows(parts.senders, groups.lumels.rows, {kTileRows, 0, options.quality, groups.lumels.budgets});
   groups.sensors.tiles =
       cut_rows(parts.senders, groups.sensors.rows, {1, kSensorShare * options.budget, sensor_rays});
 }
@@ -160,7 +172,7 @@ double mean_spread(const RowGroup& group) {
   return group.tiles.empty() ? 0.0 : sum / double(group.tiles.size());
 }
 
-Result<void> store_system(const ModelParts& parts, const PrecomputeOptions& options,
+Result<void> store_system(const ModelParts& parts, const PrecomputeOptions& options, bool shared,
                           const SystemRowGroups& groups, const std::vector<std::uint32_t>& leaves,
                           NodeReferences& references, System& system, Model& model) {
   ImportTable imports(parts.senders.tree.nodes.size());
@@ -174,7 +186,6 @@ Result<void> store_system(const ModelParts& parts, const PrecomputeOptions& opti
                             system.name, system.imports.size(), kMaxImports));
   }
   const auto columns = std::uint32_t(system.imports.size());
-  const bool shared = options.budget > 0;
   BlockMatrixBuilder bounce(columns, options.codec), gather(columns, options.codec);
   tbb::parallel_invoke(
       [&] {
@@ -199,10 +210,12 @@ Result<void> store_matrices(const ModelParts& parts, const PrecomputeOptions& op
                             PrecomputeReport& report) {
   const std::vector<std::uint32_t> leaves = leaf_nodes(parts.senders);
   NodeReferences references(parts);
+  const std::vector<std::uint32_t> budgets = node_budgets(parts.scene, options.budget);
+  const bool cut = std::any_of(budgets.begin(), budgets.end(), [](std::uint32_t b) { return b > 0; });
   for (std::size_t s = 0; s < model.systems.size(); ++s) {
-    SystemRowGroups groups = row_groups(parts, s, element_orders[s]);
-    if (options.budget > 0) cut_groups(parts, options, groups);
-    if (auto stored = store_system(parts, options, groups, leaves, references, model.systems[s], model);
+    SystemRowGroups groups = row_groups(parts, s, element_orders[s], model.systems[s], budgets);
+    if (cut) cut_groups(parts, options, groups);
+    if (auto stored = store_system(parts, options, cut, groups, leaves, references, model.systems[s], model);
         !stored)
       return stored;
     report.cut_spread = std::max(report.cut_spread, mean_spread(groups.lumels));

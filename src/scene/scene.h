@@ -54,12 +54,13 @@ struct SceneMaterial {
 /// `extras.relume` of a node, inherited by its children unless they say otherwise. Absent = not said.
 struct NodeExtras {
   std::optional<bool> is_static;
-  std::optional<std::string> receiver;  ///< "lightmap", "clusters", "probes" or "none"
+  /// "lightmap"; "clusters" and "probes": it reflects, but has no lumels; "none": it only blocks.
+  std::optional<std::string> receiver;
   std::optional<std::string> system;
-  std::optional<double> texel_size;  ///< m
-  std::optional<std::uint32_t> quality;
-  std::optional<std::uint32_t> budget;
-  std::optional<bool> emitter;  ///< its materials may emit later
+  std::optional<double> texel_size;      ///< m
+  std::optional<std::uint32_t> quality;  ///< rays per lumel
+  std::optional<std::uint32_t> budget;   ///< form factors kept per tile of its rows
+  std::optional<bool> emitter;           ///< its materials may emit later
 };
 
 /// A node that carries surfaces, once per instance.

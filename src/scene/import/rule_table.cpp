@@ -232,7 +232,7 @@ constexpr auto kRules = std::to_array<Rule>({
     word("nodes/*/extras/relume/receiver", "lightmap|clusters|probes|none"),
     text("nodes/*/extras/relume/system"),
     positive("nodes/*/extras/relume/texel_size"),
-    integer("nodes/*/extras/relume/quality", 1, 1 << 24),
+    integer("nodes/*/extras/relume/quality", 8, 1 << 20),
     integer("nodes/*/extras/relume/budget", 1, 1 << 24),
     boolean("nodes/*/extras/relume/emitter"),
 
