@@ -28,16 +28,20 @@ glm::vec2 at_corner(const std::array<glm::vec2, 3>& corners, const glm::dvec2& b
                    glm::dvec2(corners[2]) * b.y);
 }
 
-/// The corners of a part in texels, carrying their barycentric coordinates in that part.
+/// The corners of a part in texels, about a texel nearby (far-out coordinates would not fit the grid's
+/// integers), carrying their barycentric coordinates in that part.
 GridPolygon in_texels(const OpacityMap& map, const OpacityTriangle& listed,
                       const std::array<glm::vec2, 3>& corners) {
   constexpr std::array<glm::dvec2, 3> kOwn{glm::dvec2{0, 0}, glm::dvec2{1, 0}, glm::dvec2{0, 1}};
-  GridPolygon polygon;
+  std::array<glm::dvec2, 3> at;
   for (std::size_t k = 0; k < 3; ++k) {
-    const glm::vec3 at = listed.corners[0] + corners[k].x * (listed.corners[1] - listed.corners[0]) +
-                         corners[k].y * (listed.corners[2] - listed.corners[0]);
-    polygon.push({glm::dvec2(at.x, at.y) * glm::dvec2(map.width, map.height), kOwn[k]});
+    const glm::vec3 point = listed.corners[0] + corners[k].x * (listed.corners[1] - listed.corners[0]) +
+                            corners[k].y * (listed.corners[2] - listed.corners[0]);
+    at[k] = glm::dvec2(point.x, point.y) * glm::dvec2(map.width, map.height);
   }
+  const glm::dvec2 origin = glm::floor(at[0]);
+  GridPolygon polygon;
+  for (std::size_t k = 0; k < 3; ++k) polygon.push({at[k] - origin, kOwn[k]});
   return polygon;
 }
 

@@ -80,6 +80,16 @@ TEST(Opacity, OfAPartIsItsSolidShare) {
   EXPECT_EQ(lookup.mean(1, {glm::vec2{0, 0}, {1, 0}, {0, 1}}), 0.25);
 }
 
+TEST(Opacity, FarOutTextureCoordinatesRepeatTheImage) {
+  Opacity opacity;
+  add_checkers(opacity, 0);
+  for (glm::vec3& corner : opacity.triangles[0].corners) corner.x -= 0x1p20f, corner.y += 0x1p20f;
+  EXPECT_NEAR(TriangleOpacity(opacity, kSquare, kTwo).mean(0, {glm::vec2{0, 0}, {1, 0}, {0, 1}}), 0.5, 1e-12);
+  for (glm::vec3& corner : opacity.triangles[0].corners) corner.x *= 1e9f;
+  const double mean = TriangleOpacity(opacity, kSquare, kTwo).mean(0, {glm::vec2{0, 0}, {1, 0}, {0, 1}});
+  EXPECT_TRUE(mean >= 0.0 && mean <= 1.0);
+}
+
 TEST(Opacity, AMaskIsMetWhereItIsSolid) {
   Opacity opacity;
   add_checkers(opacity, 0);
