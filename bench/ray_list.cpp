@@ -30,7 +30,7 @@ void append(const HemispherePacket& packet, RayList& rays) {
 
 Result<RayList> rays_of_precompute(const Scene& scene, const Geometry& geometry,
                                    const PrecomputeOptions& options, RayOrder order_of_rays) {
-  const auto caster = RayCaster::create(geometry.positions, geometry.triangles);
+  const auto caster = make_caster(geometry);
   if (!caster) return tl::unexpected(caster.error());
   std::vector<std::string> warnings;
   const auto charts = make_charts(scene, geometry, options.texel_size, warnings);

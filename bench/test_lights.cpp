@@ -131,7 +131,7 @@ Light light_at(const FreePlace& place, const glm::dvec3& origin, LightType type)
 Result<TestScene> test_scene(Scene scene, std::size_t sensors) {
   TestScene result;
   const Geometry geometry = make_geometry(scene);
-  const auto caster = RayCaster::create(geometry.positions, geometry.triangles);
+  const auto caster = make_caster(geometry);
   if (!caster) return tl::unexpected(caster.error());
   SurfaceDraw draw(geometry);
   result.lights.push_back({"ambient", {}, false, true});

@@ -70,10 +70,15 @@ void store_lumels(const ModelParts& parts, std::size_t s, const std::vector<std:
   }
 }
 
+bool has_lightmap(const SceneNode& node) {
+  return node.extras.receiver.value_or("lightmap") == "lightmap";
+}
+
 void store_charts(const ModelParts& parts, const SystemLayout& layout, System& system) {
   std::set<std::pair<std::uint32_t, Side>> listed;
   for (std::size_t i = 0; i < layout.charts.size(); ++i) {
     const Chart& chart = parts.charts[layout.charts[i]];
+    if (!has_lightmap(parts.scene.nodes[chart.node])) continue;
     if (chart.uv_set == 1) {
       system.charts.push_back(
           {chart.node, chart.side, 1, chart.uv_scale, chart.uv_offset + glm::vec2(layout.positions[i])});
@@ -86,7 +91,9 @@ void store_charts(const ModelParts& parts, const SystemLayout& layout, System& s
 
 Occluders make_occluders(const ModelParts& parts) {
   const Geometry& geometry = parts.geometry;
-  Occluders occluders{geometry.positions, geometry.triangles, geometry.material, geometry.node, {}, {}, {}};
+  Occluders occluders{
+      geometry.positions, geometry.triangles, geometry.material, geometry.node, {}, {}, {}, {}};
+  occluders.opacity = geometry.opacity.stored();
   occluders.system.assign(geometry.triangles.size(), kNone);
   occluders.front_uv.assign(3 * geometry.triangles.size(), glm::vec2(0.0f));
   for (std::uint32_t s = 0; s < parts.layouts.size(); ++s) {
@@ -168,8 +175,7 @@ std::vector<bool> own_elements(const Scene& scene, const std::vector<Chart>& cha
       if (largest == kNone || surface.elements[e].area > surface.elements[largest].area) largest = e;
     }
     if (largest == kNone) continue;
-    const SceneNode& node = scene.nodes[charts[surface.elements[largest].chart].node];
-    own[largest] = node.extras.receiver.value_or("lightmap") == "lightmap";
+    own[largest] = has_lightmap(scene.nodes[charts[surface.elements[largest].chart].node]);
   }
   return own;
 }

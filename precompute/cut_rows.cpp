@@ -7,6 +7,16 @@
 #include <algorithm>
 
 namespace relume {
+namespace {
+
+/// A row without budget asks for more than any with one.
+CutLimits tile_limits(std::span<const CutLimits> limits) {
+  return *std::max_element(limits.begin(), limits.end(), [](const CutLimits& a, const CutLimits& b) {
+    return a.budget != 0 && (b.budget == 0 || a.budget < b.budget);
+  });
+}
+
+}  // namespace
 
 std::vector<CutTile> cut_rows(const ClusterTree& tree, const Probing& probing,
                               std::span<const FormFactorRow* const> rows, const TileCutOptions& options) {
@@ -15,7 +25,9 @@ std::vector<CutTile> cut_rows(const ClusterTree& tree, const Probing& probing,
   tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t t) {
     const std::size_t first = t * options.rows;
     const auto part = rows.subspan(first, std::min<std::size_t>(options.rows, rows.size() - first));
-    tiles[t] = cutters.local().cut(part, options.limits);
+    const auto limits =
+        options.limits.size() == 1 ? options.limits : options.limits.subspan(first, part.size());
+    tiles[t] = cutters.local().cut(part, tile_limits(limits));
   });
   return tiles;
 }

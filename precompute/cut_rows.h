@@ -12,8 +12,8 @@
 namespace relume {
 
 struct TileCutOptions {
-  std::uint32_t rows = 8;  ///< of a tile; the last may have fewer
-  CutLimits limits;
+  std::uint32_t rows = 8;             ///< of a tile; the last may have fewer
+  std::span<const CutLimits> limits;  ///< of all rows, or per row: a tile gets the most generous of its rows'
 };
 
 /// Tiles in the order of their rows; in the calling task arena, the same for any number of threads.

@@ -105,18 +105,18 @@ double max_solid_angle(const Light& light) {
   return std::min(kMaxSolidAngle, 2.0 * kPi * (1.0 - std::cos(light.outer_cone_angle)) / 64.0);
 }
 
-/// Whether light from `light` (about the origin) reaches a surface point.
-bool lit(const Surroundings& around, const Light& light, const SurfacePoint& point) {
+/// The share of the light from `light` (about the origin) that reaches a surface point.
+double lit_share(const Surroundings& around, const Light& light, const SurfacePoint& point) {
   const glm::vec3 from = point.position + point.normal * around.geometry.offset;
   if (light.type == LightType::directional) {
-    return !around.caster.occluded(from, from - glm::vec3(light.direction) * around.far);
+    return around.caster.transmittance(from, from - glm::vec3(light.direction) * around.far);
   }
   // The ray ends just before the light: a lamp on a surface is not blocked by it.
   const glm::dvec3 way = light.position - glm::dvec3(from);
   const double distance = glm::length(way);
   const double gap = 4.0 * static_cast<double>(around.geometry.offset);
-  if (distance <= gap) return true;
-  return !around.caster.occluded(from, from + glm::vec3(way * (1.0 - gap / distance)));
+  if (distance <= gap) return 1.0;
+  return around.caster.transmittance(from, from + glm::vec3(way * (1.0 - gap / distance)));
 }
 
 /// One surface element while its light is added up.
@@ -135,7 +135,7 @@ class ElementLight {
       if (owns({glm::vec3(point_of(patch)), patch.normal})) owned += area_of(patch);
     }
     guarded_ = owned < area;
-    owned_area_ = element_.area * (area > 0.0 ? owned / area : 0.0);
+    owned_area_ = owned;
   }
 
   /// Mean irradiance over the part that the element's middle sees (a piece that a wall runs through may reach
@@ -199,15 +199,16 @@ class ElementLight {
     }
     const SurfacePoint point{glm::vec3(point_of(patch)), patch.normal};
     const double share = directional ? 1.0 : intensity_share(light, glm::dvec3(point.position));
-    if (share <= 0.0 || !lit(around_, light, point) || (guarded_ && !owns(point))) return 0.0;
-    return size * share;
+    if (share <= 0.0) return 0.0;
+    const double arriving = lit_share(around_, light, point);
+    return arriving <= 0.0 || (guarded_ && !owns(point)) ? 0.0 : size * share * arriving;
   }
 
   const Surroundings& around_;
   const SurfaceElement& element_;
   std::vector<Patch> patches_;
   bool guarded_ = false;
-  double owned_area_ = 0.0;
+  double owned_area_ = 0.0;  ///< m2, what alpha cuts out included: the light that falls there counts as well
 };
 
 std::vector<Rgb> light_elements(const Surroundings& around, const System& system) {
@@ -227,8 +228,8 @@ Rgb light_sensor(const Surroundings& around, const Sensor& sensor) {
   Rgb irradiance(0.0);
   for (const Light& light : around.lights) {
     const Rgb unblocked = irradiance_at_point(light, glm::dvec3(at.position), glm::dvec3(at.normal));
-    if (unblocked == Rgb(0.0) || !lit(around, light, {at.position, glm::vec3(0.0f)})) continue;
-    irradiance += unblocked;
+    if (unblocked == Rgb(0.0)) continue;
+    irradiance += unblocked * lit_share(around, light, {at.position, glm::vec3(0.0f)});
   }
   return irradiance;
 }
@@ -253,7 +254,8 @@ void append_system(const Surroundings& around, const System& system, DirectIrrad
 Result<DirectIrradiance> direct_irradiance(const Model& model, std::span<const Light> lights,
                                            std::uint32_t threads) {
   try {
-    const auto caster = RayCaster::create(model.occluders.positions, model.occluders.triangles);
+    const auto caster =
+        RayCaster::create(model.occluders.positions, model.occluders.triangles, model.occluders.opacity);
     if (!caster) return tl::unexpected(caster.error());
     const Surroundings around = make_surroundings(model, *caster, lights);
     DirectIrradiance result;

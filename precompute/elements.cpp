@@ -40,10 +40,10 @@ void cut_chart(const Geometry& geometry, const Chart& chart, std::uint32_t chart
         const glm::dvec2 a = part[0].barycentric, b = part[k - 1].barycentric, c = part[k].barycentric;
         const double share = std::abs((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
         if (!(share > kSmallestPart)) continue;
-        pieces.push_back({{t, {glm::vec2(a), glm::vec2(b), glm::vec2(c)}},
-                          float(share) * geometry.areas[t],
-                          cy * width + cx,
-                          chart_index});
+        const SurfacePiece shape{t, {glm::vec2(a), glm::vec2(b), glm::vec2(c)}};
+        const double solid = geometry.opacity.mean(t, shape.corners);
+        if (!(solid > 0.0)) continue;
+        pieces.push_back({shape, float(share * solid) * geometry.areas[t], cy * width + cx, chart_index});
       }
     });
   }

@@ -23,7 +23,7 @@ namespace relume {
 /// A triangle cut out of a triangle of the scene, with what grouping asks of it.
 struct Piece {
   SurfacePiece shape;
-  float area = 0.0f;        ///< m2
+  float area = 0.0f;        ///< m2, of its solid part (core/opacity.h); above 0
   std::uint32_t cell = 0;   ///< y * width + x of its lumel
   std::uint32_t chart = 0;  ///< index of its chart
 };

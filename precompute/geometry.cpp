@@ -8,6 +8,7 @@
 #include <map>
 
 #include "precompute/ray_offset.h"
+#include "scene/scene_opacity.h"
 #include "scene/surface_color.h"
 
 namespace relume {
@@ -134,6 +135,7 @@ Geometry make_geometry(const Scene& scene) {
   }
   add_triangle_facts(scene, geometry);
   geometry.opposite = find_opposites(geometry);
+  geometry.opacity = TriangleOpacity(scene_opacity(scene), geometry.positions, geometry.triangles);
   geometry.offset = ray_offset(geometry.positions);
   return geometry;
 }

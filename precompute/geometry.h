@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "precompute/opacity.h"
 #include "precompute/ray_caster.h"
 #include "scene/scene.h"
 
@@ -23,6 +24,7 @@ struct Geometry {
   std::vector<glm::vec3> normals;       ///< per triangle, unit, of the front
   std::vector<float> areas;             ///< per triangle, m2
   std::vector<bool> double_sided;       ///< per material
+  TriangleOpacity opacity;
   std::vector<std::uint32_t>
       opposite;       ///< per triangle: the one that covers the same corners in the other sense, or kNone
   double area = 0.0;  ///< m2 of all receiving sides
@@ -39,6 +41,11 @@ struct Geometry {
 };
 
 Geometry make_geometry(const Scene& scene);
+
+/// Rays among the triangles of `geometry`.
+inline Result<RayCaster> make_caster(const Geometry& geometry) {
+  return RayCaster::create(geometry.positions, geometry.triangles, geometry.opacity.stored());
+}
 
 /// A point of a side of a surface.
 struct SurfaceHit {

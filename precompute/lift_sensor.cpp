@@ -17,7 +17,7 @@ SurfacePoint lift_sensor(const Geometry& geometry, const RayCaster& caster, cons
   packet.direction_x.fill(-up.x), packet.direction_y.fill(-up.y), packet.direction_z.fill(-up.z);
   // A little further than the sensor: rounding may put the surface that it lies on behind it.
   packet.far[0] = reach + 2.0f * geometry.offset;
-  caster.closest_hits(packet);
+  caster.closest_hits(packet, RaySpread::wide, AlphaTest::solid);
   if (packet.triangle[0] == kNoTriangle) return {at, up};
   return {from - up * packet.far[0] + up * geometry.offset, up};
 }

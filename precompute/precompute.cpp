@@ -153,13 +153,13 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   if (scene.triangles.empty())
     return fail(ErrorCode::bad_input, fmt::format("{}: no static triangles to precompute", scene.file_name));
   Geometry geometry = make_geometry(scene);
-  const auto caster = RayCaster::create(geometry.positions, geometry.triangles);
+  const auto caster = make_caster(geometry);
   if (!caster) return tl::unexpected(caster.error());
   if (observer && !observer("surfaces", 0.0))
     return fail(ErrorCode::cancelled, "stopped before the surfaces were cut");
   auto surfaces = cut_surfaces(scene, options, *caster, std::move(geometry), report);
   if (!surfaces) return tl::unexpected(surfaces.error());
-  RowPlan plan = plan_rows(options);
+  RowPlan plan = plan_rows(options, scene);
   RowCounts counts;
   std::optional<Preparation> prepared;
   if (auto done = prepare(scene, options, *caster, plan, observer, *surfaces, prepared, counts, report);

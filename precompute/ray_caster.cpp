@@ -11,15 +11,24 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "precompute/opacity.h"
 #include "precompute/overlap_in_plane.h"
 #include "precompute/ray_offset.h"
 
 namespace relume {
 namespace {
 
+/// What filters of triangles that are not opaque know of a query.
+struct QueryContext {
+  RTCIntersectContext base;
+  AlphaTest alpha = AlphaTest::coin;
+  bool multiply = false;       ///< pass on, and count what is left
+  double transmittance = 1.0;  ///< of a query with `multiply`
+};
+
 /// What the rays of a packet have met first in the order of triangles, not of distance.
 struct LowestHits {
-  RTCIntersectContext base;
+  QueryContext query;
   RayPacket::Numbers triangle;
   RayPacket::Floats distance, u, v;
 };
@@ -39,6 +48,31 @@ void keep_lowest(const RTCFilterFunctionNArguments* arguments) {
     lowest.distance[lane] = RTCRayN_tfar(arguments->ray, n, i);
     lowest.u[lane] = RTCHitN_u(arguments->hit, n, i);
     lowest.v[lane] = RTCHitN_v(arguments->hit, n, i);
+  }
+}
+
+/// Whether a triangle that is not opaque stops lane `lane`.
+bool stops(const RTCFilterFunctionNArguments* arguments, unsigned lane) {
+  const auto& opacity = *static_cast<const TriangleOpacity*>(arguments->geometryUserPtr);
+  auto& query = *reinterpret_cast<QueryContext*>(arguments->context);
+  RTCRayN* ray = arguments->ray;
+  const unsigned lanes = arguments->N, triangle = RTCHitN_primID(arguments->hit, lanes, lane);
+  const float u = RTCHitN_u(arguments->hit, lanes, lane), v = RTCHitN_v(arguments->hit, lanes, lane);
+  if (query.multiply) {
+    if (!opacity.repeats(triangle)) query.transmittance *= 1.0 - double(opacity.at(triangle, u, v));
+    return query.transmittance <= 0.0;
+  }
+  if (query.alpha == AlphaTest::solid) return opacity.at(triangle, u, v) > 0.0f;
+  const glm::vec3 origin(RTCRayN_org_x(ray, lanes, lane), RTCRayN_org_y(ray, lanes, lane),
+                         RTCRayN_org_z(ray, lanes, lane));
+  const glm::vec3 way(RTCRayN_dir_x(ray, lanes, lane), RTCRayN_dir_y(ray, lanes, lane),
+                      RTCRayN_dir_z(ray, lanes, lane));
+  return !opacity.passes(triangle, u, v, ray_key(origin, way));
+}
+
+void let_alpha_pass(const RTCFilterFunctionNArguments* arguments) {
+  for (unsigned lane = 0; lane < arguments->N; ++lane) {
+    if (arguments->valid[lane] != 0 && !stops(arguments, lane)) arguments->valid[lane] = 0;
   }
 }
 
@@ -115,19 +149,55 @@ std::vector<std::uint8_t> find_overlaps(RTCDevice device, const Mesh& mesh) {
   return any ? std::move(search.overlaps) : std::vector<std::uint8_t>();
 }
 
-void attach_triangles(RTCDevice device, RTCScene scene, const Mesh& mesh) {
+/// The triangles that are opaque, or the others, as a geometry that numbers all of them: those that do not
+/// belong get a vertex that is not finite, and Embree leaves such triangles out.
+void attach_triangles(RTCDevice device, RTCScene scene, const Mesh& mesh, TriangleOpacity& opacity,
+                      bool opaque) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                           sizeof(glm::vec3), mesh.positions.size());
-  void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                          sizeof(Triangle), mesh.triangles.size());
+  auto* vertices = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), mesh.positions.size() + 1));
+  auto* indices = static_cast<Triangle*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(Triangle), mesh.triangles.size()));
   if (vertices != nullptr && indices != nullptr) {
+    const auto nowhere = std::uint32_t(mesh.positions.size());
     std::memcpy(vertices, mesh.positions.data(), mesh.positions.size_bytes());
-    std::memcpy(indices, mesh.triangles.data(), mesh.triangles.size_bytes());
+    vertices[nowhere] = glm::vec3(std::numeric_limits<float>::quiet_NaN());
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      const bool belongs = opacity.opaque(t) == opaque && !opacity.never_solid(t);
+      indices[t] = belongs ? mesh.triangles[t] : Triangle{nowhere, nowhere, nowhere};
+    }
+  }
+  if (!opaque) {
+    rtcSetGeometryUserData(geometry, &opacity);
+    rtcSetGeometryIntersectFilterFunction(geometry, let_alpha_pass);
+    rtcSetGeometryOccludedFilterFunction(geometry, let_alpha_pass);
   }
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
+}
+
+/// The ray from a to b.
+RTCRay segment(const glm::vec3& a, const glm::vec3& b) {
+  const glm::vec3 direction = b - a;
+  RTCRay ray{};
+  ray.org_x = a.x;
+  ray.org_y = a.y;
+  ray.org_z = a.z;
+  ray.dir_x = direction.x;
+  ray.dir_y = direction.y;
+  ray.dir_z = direction.z;
+  ray.tnear = 0.0f;
+  ray.tfar = 1.0f;
+  ray.mask = ~0u;
+  return ray;
+}
+
+QueryContext start_query(AlphaTest alpha) {
+  QueryContext query;
+  rtcInitIntersectContext(&query.base);
+  query.alpha = alpha;
+  return query;
 }
 
 std::string describe(RTCDevice device) {
@@ -178,10 +248,10 @@ LaneChoice lanes_with_ties(const RayPacket& packet, const std::vector<std::uint8
 }
 
 /// Gives hits to the lowest triangle among those as far away, up to rounding.
-void settle_ties(RTCScene scene, const LaneChoice& lanes, float largest, RayPacket& packet) {
+void settle_ties(RTCScene scene, const LaneChoice& lanes, float largest, AlphaTest alpha, RayPacket& packet) {
   LowestHits lowest;
-  rtcInitIntersectContext(&lowest.base);
-  lowest.base.filter = keep_lowest;
+  lowest.query = start_query(alpha);
+  lowest.query.base.filter = keep_lowest;
   lowest.triangle.fill(kNoTriangle);
   RayPacket around = packet;
   around.geometry.fill(RTC_INVALID_GEOMETRY_ID);
@@ -192,7 +262,7 @@ void settle_ties(RTCScene scene, const LaneChoice& lanes, float largest, RayPack
     around.far[lane] = packet.far[lane] + margin;
     around.id[lane] = std::uint32_t(lane);
   }
-  rtcIntersect8(lanes.data(), scene, &lowest.base, reinterpret_cast<RTCRayHit8*>(&around));
+  rtcIntersect8(lanes.data(), scene, &lowest.query.base, reinterpret_cast<RTCRayHit8*>(&around));
   for (int lane = 0; lane < kPacketSize; ++lane) {
     if (lanes[lane] == 0 || lowest.triangle[lane] == kNoTriangle) continue;
     packet.triangle[lane] = lowest.triangle[lane];
@@ -204,6 +274,7 @@ void settle_ties(RTCScene scene, const LaneChoice& lanes, float largest, RayPack
 }  // namespace
 
 struct RayCaster::Scene {
+  TriangleOpacity opacity;
   Device device;
   EmbreeScene scene;
   std::string description;
@@ -221,7 +292,8 @@ const std::string& RayCaster::description() const {
 }
 
 Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
-                                    std::span<const std::array<std::uint32_t, 3>> triangles) {
+                                    std::span<const std::array<std::uint32_t, 3>> triangles,
+                                    const Opacity& opacity) {
   auto scene = std::make_unique<Scene>();
   scene->device.reset(rtcNewDevice((std::string("isa=") + instruction_set()).c_str()));
   if (!scene->device) return fail(ErrorCode::out_of_memory, "Embree could not create a device");
@@ -233,7 +305,10 @@ Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
   scene->largest = mesh.largest;
   if (!triangles.empty()) {
     scene->overlaps = find_overlaps(scene->device.get(), mesh);
-    attach_triangles(scene->device.get(), scene->scene.get(), mesh);
+    scene->opacity = TriangleOpacity(opacity, positions, triangles);
+    attach_triangles(scene->device.get(), scene->scene.get(), mesh, scene->opacity, true);
+    if (scene->opacity.any())
+      attach_triangles(scene->device.get(), scene->scene.get(), mesh, scene->opacity, false);
   }
   rtcCommitScene(scene->scene.get());
   if (const RTCError error = rtcGetDeviceError(scene->device.get()); error != RTC_ERROR_NONE) {
@@ -245,23 +320,21 @@ Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
   return RayCaster(std::move(scene));
 }
 
-void RayCaster::closest_hits(RayPacket& packet, RaySpread spread) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  if (spread == RaySpread::narrow) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+void RayCaster::closest_hits(RayPacket& packet, RaySpread spread, AlphaTest alpha) const {
+  QueryContext query = start_query(alpha);
+  if (spread == RaySpread::narrow) query.base.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   packet.triangle.fill(kNoTriangle);
   packet.geometry.fill(RTC_INVALID_GEOMETRY_ID);
   const LaneChoice lanes = lanes_with_rays(packet);
-  rtcIntersect8(lanes.data(), scene_->scene.get(), &context, reinterpret_cast<RTCRayHit8*>(&packet));
+  rtcIntersect8(lanes.data(), scene_->scene.get(), &query.base, reinterpret_cast<RTCRayHit8*>(&packet));
   const LaneChoice ties = lanes_with_ties(packet, scene_->overlaps);
-  if (ties.any()) settle_ties(scene_->scene.get(), ties, scene_->largest, packet);
+  if (ties.any()) settle_ties(scene_->scene.get(), ties, scene_->largest, alpha, packet);
 }
 
 std::uint32_t RayCaster::occluded(RayPacket& packet) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  QueryContext query = start_query(AlphaTest::coin);
   const LaneChoice lanes = lanes_with_rays(packet);
-  rtcOccluded8(lanes.data(), scene_->scene.get(), &context, reinterpret_cast<RTCRay8*>(&packet));
+  rtcOccluded8(lanes.data(), scene_->scene.get(), &query.base, reinterpret_cast<RTCRay8*>(&packet));
   std::uint32_t hidden = 0;
   for (int lane = 0; lane < kPacketSize; ++lane) {
     if (lanes[lane] != 0 && packet.far[lane] < 0.0f) hidden |= 1u << lane;
@@ -270,21 +343,18 @@ std::uint32_t RayCaster::occluded(RayPacket& packet) const {
 }
 
 bool RayCaster::occluded(const glm::vec3& a, const glm::vec3& b) const {
-  const glm::vec3 direction = b - a;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  RTCRay ray{};
-  ray.org_x = a.x;
-  ray.org_y = a.y;
-  ray.org_z = a.z;
-  ray.dir_x = direction.x;
-  ray.dir_y = direction.y;
-  ray.dir_z = direction.z;
-  ray.tnear = 0.0f;
-  ray.tfar = 1.0f;
-  ray.mask = ~0u;
-  rtcOccluded1(scene_->scene.get(), &context, &ray);
+  QueryContext query = start_query(AlphaTest::solid);
+  RTCRay ray = segment(a, b);
+  rtcOccluded1(scene_->scene.get(), &query.base, &ray);
   return ray.tfar < 0.0f;
+}
+
+float RayCaster::transmittance(const glm::vec3& a, const glm::vec3& b) const {
+  QueryContext query = start_query(AlphaTest::coin);
+  query.multiply = true;
+  RTCRay ray = segment(a, b);
+  rtcOccluded1(scene_->scene.get(), &query.base, &ray);
+  return ray.tfar < 0.0f ? 0.0f : float(query.transmittance);
 }
 
 }  // namespace relume

@@ -21,6 +21,7 @@
 #include <string>
 #include <vector>
 
+#include "core/opacity.h"
 #include "core/result.h"
 
 namespace relume {
@@ -52,26 +53,38 @@ struct alignas(32) RayPacket {
 /// What the rays of a packet have in common. It changes how fast they are traced, not what they meet.
 enum class RaySpread { wide, narrow /**< nearly one origin and one direction */ };
 
+/// How rays meet a triangle that is not opaque (TriangleOpacity).
+enum class AlphaTest {
+  coin,   ///< it stops a ray with the probability of its opacity: light on its way
+  solid,  ///< it stops whatever meets more than nothing of it: questions about the surfaces themselves
+};
+
 class RayCaster {
  public:
-  /// Borrows nothing: positions and triangles are copied. Fails with out_of_memory or bad_input (no finite
-  /// triangle is not an error).
+  /// Borrows nothing: all is copied. Fails with out_of_memory or bad_input (no finite triangle is not an
+  /// error).
   static Result<RayCaster> create(std::span<const glm::vec3> positions,
-                                  std::span<const std::array<std::uint32_t, 3>> triangles);
+                                  std::span<const std::array<std::uint32_t, 3>> triangles,
+                                  const Opacity& opacity = {});
   RayCaster(RayCaster&&) noexcept;
   RayCaster& operator=(RayCaster&&) noexcept;
   ~RayCaster();
 
   /// Every origin and direction must be finite. Directions need not be unit; distances are in multiples of
   /// them. Thread-safe.
-  void closest_hits(RayPacket& packet, RaySpread spread = RaySpread::wide) const;
+  void closest_hits(RayPacket& packet, RaySpread spread = RaySpread::wide,
+                    AlphaTest alpha = AlphaTest::coin) const;
 
-  /// Bit l: whether lane l meets anything between near and far. Distances as in closest_hits; `far` is used
-  /// up. Thread-safe.
+  /// Bit l: whether lane l meets anything between near and far, by coin. Distances as in closest_hits; `far`
+  /// is used up. Thread-safe.
   std::uint32_t occluded(RayPacket& packet) const;
 
-  /// Whether anything lies between a and b, both of them included. Thread-safe.
+  /// Whether anything lies between a and b, both of them included; AlphaTest::solid. Thread-safe.
   bool occluded(const glm::vec3& a, const glm::vec3& b) const;
+
+  /// The share of light that gets from a to b: 0 behind anything opaque, else the product of 1 - opacity over
+  /// all that it meets. Thread-safe.
+  float transmittance(const glm::vec3& a, const glm::vec3& b) const;
 
   /// Library, version and instruction set, as recorded in the model.
   const std::string& description() const;

@@ -14,7 +14,6 @@ constexpr std::uint32_t kSensorQualities = 16;
 constexpr std::uint32_t kMaxQuality = 1u << 20;
 /// What clusters begin with at a target of 100 %; errors are about of second order in the size.
 constexpr double kClearanceShare = 1.2;
-constexpr std::uint32_t kSensorBudgets = 1;
 /// 8 bits with square-root coding cost less than a percent.
 constexpr double kCoarseCodesFrom = 0.02;
 
@@ -24,7 +23,7 @@ RayLimits fixed(std::uint32_t rays) {
 
 }  // namespace
 
-RowPlan plan_rows(const PrecomputeOptions& options) {
+RowPlan plan_rows(const PrecomputeOptions& options, const Scene& scene) {
   RowPlan plan;
   const bool target = options.error > 0.0;
   plan.cut = target || options.budget > 0;
@@ -40,8 +39,12 @@ RowPlan plan_rows(const PrecomputeOptions& options) {
   } else {
     plan.sensors = fixed(std::min(kMaxQuality, std::max(kMinSensorQuality, kSensorQualities * quality)));
   }
-  plan.lumel_cut = {options.budget, kCutShare * options.error};
-  plan.sensor_cut = {kSensorBudgets * options.budget, kCutShare * options.error};
+  plan.sensor_cut = {options.budget, kCutShare * options.error};
+  for (const SceneNode& node : scene.nodes) {
+    plan.node_quality.push_back(node.extras.quality.value_or(0));
+    plan.node_cuts.push_back({node.extras.budget.value_or(options.budget), kCutShare * options.error});
+    plan.cut = plan.cut || node.extras.budget.value_or(0) > 0;
+  }
   if (target) plan.codec = options.error >= kCoarseCodesFrom ? ValueCodec::sqrt8 : ValueCodec::unorm16;
   if (options.codec) plan.codec = *options.codec;
   return plan;

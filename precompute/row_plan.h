@@ -18,12 +18,14 @@ struct RowPlan {
       false;  ///< rays are doubled where that is worth it; the exchange of the limits is still to be found
   double clearance_share = 0.0;  ///< of clusters, to begin with; 0: all of one size
   RayLimits lumels, sensors;
-  CutLimits lumel_cut, sensor_cut;  ///< a sensor shares its nodes with no other row
+  std::vector<std::uint32_t> node_quality;  ///< per node of the scene: rays of its rows; 0: as `lumels`
+  std::vector<CutLimits> node_cuts;         ///< per node of the scene: of its rows
+  CutLimits sensor_cut;
   ValueCodec codec = ValueCodec::f32;
 };
 
-/// What options ask for themselves stands; the rest follows from the error target, if there is one. `probing`
+/// What nodes ask for stands, then what options ask for themselves; the rest follows from the error target, if there is one. `probing`
 /// of the limits is still empty.
-RowPlan plan_rows(const PrecomputeOptions& options);
+RowPlan plan_rows(const PrecomputeOptions& options, const Scene& scene);
 
 }  // namespace relume

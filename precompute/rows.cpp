@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <map>
 
 #include "precompute/adaptive_row.h"
 #include "precompute/progress.h"
@@ -116,6 +117,30 @@ void trace_cluster(const RowScene& scene, const TracedSystem& system, std::span<
   }
 }
 
+/// Limits and points of the nodes that ask for rays of their own, and of all others.
+class NodePoints {
+ public:
+  NodePoints(const RayLimits& limits, std::span<const std::uint32_t> node_quality)
+      : node_quality_(node_quality), limits_(limits), points_(limits.rays, first_stage(limits)) {
+    for (const auto quality : node_quality) {
+      if (quality > 0) own_.try_emplace(quality, quality, quality);
+    }
+  }
+  RayLimits limits(std::uint32_t node) const {
+    const std::uint32_t quality = node_quality_[node];
+    return quality > 0 ? RayLimits{quality, quality, 0.0, nullptr} : limits_;
+  }
+  const SobolPoints& points(std::uint32_t node) const {
+    return node_quality_[node] > 0 ? own_.at(node_quality_[node]) : points_;
+  }
+
+ private:
+  std::span<const std::uint32_t> node_quality_;
+  RayLimits limits_;
+  SobolPoints points_;
+  std::map<std::uint32_t, SobolPoints> own_;  ///< by number of rays
+};
+
 /// Elements of each cluster, ascending.
 std::vector<std::vector<std::uint32_t>> members_of_clusters(const ClusteredSurface& system) {
   std::vector<std::vector<std::uint32_t>> members(system.cluster_count);
@@ -134,7 +159,8 @@ std::uint32_t batch_end(const std::vector<std::vector<std::uint32_t>>& members, 
 }  // namespace
 
 Result<SystemRows> trace_system(const RowScene& scene, const TracedSystem& system, const RayLimits& limits,
-                                RowCounts& counts, const ProgressObserver& observer, const RowsTaker& taker) {
+                                std::span<const std::uint32_t> node_quality, RowCounts& counts,
+                                const ProgressObserver& observer, const RowsTaker& taker) {
   SystemRows rows;
   const std::uint32_t clusters = system.surface.cluster_count;
   rows.clusters.resize(clusters);
@@ -142,14 +168,16 @@ Result<SystemRows> trace_system(const RowScene& scene, const TracedSystem& syste
   rows.element_back_face_share.resize(rows.elements.size());
   rows.element_rays.resize(rows.elements.size());
   const auto members = members_of_clusters(system.surface);
-  const SobolPoints points(limits.rays, first_stage(limits));
+  const NodePoints nodes(limits, node_quality);
   Workers workers([&] { return Worker(scene); });
   Progress progress(observer, "rays", clusters);
   for (std::uint32_t first = 0; first < clusters && !progress.cancelled();) {
     const std::uint32_t last = taker ? batch_end(members, first) : clusters;
     tbb::parallel_for(first, last, [&](std::uint32_t c) {
       if (progress.cancelled()) return;
-      trace_cluster(scene, system, members[c], points, limits, workers.local(), rows.clusters[c], rows);
+      const std::uint32_t node = system.node(members[c][0]);
+      trace_cluster(scene, system, members[c], nodes.points(node), nodes.limits(node), workers.local(),
+                    rows.clusters[c], rows);
       progress.one_done();
     });
     if (taker && !progress.cancelled()) taker(last, rows);

@@ -28,7 +28,7 @@ struct RayLimits {
   std::uint32_t rays = 512;   ///< per row; with an exchange, at most
   std::uint32_t least = 512;  ///< to begin with
   double exchange = 0.0;      ///< above 0: doubled while the square of the noise of a cluster's elements
-                          ///< together, divided by the rays of each, is larger; 0: `rays` at once
+                              ///< together, divided by the rays of each, is larger; 0: `rays` at once
   const Probing* probing = nullptr;  ///< needed with an exchange
 };
 
@@ -46,6 +46,11 @@ struct TracedSystem {
   const std::vector<Chart>& charts;
   const ClusteredSurface& surface;
   const std::vector<bool>& own_elements;  ///< per element: whether it is a lumel's own
+
+  /// Of the scene, that an element lies on.
+  std::uint32_t node(std::uint32_t element) const {
+    return charts[surface.surface.elements[element].chart].node;
+  }
 };
 
 /// The elements of all clusters below `last` have their rows: whoever wants them may take them away.
@@ -53,9 +58,10 @@ using RowsTaker = std::function<void(std::uint32_t last, SystemRows& rows)>;
 
 /// Rows of every cluster and lumel of a system, in the calling task arena. With a taker, it is called now and
 /// then and at the end, and gets the clusters in their order. Cancelled when the observer says so.
+/// `node_quality`: per node of the scene, rays of its rows; 0: as `limits` say.
 Result<SystemRows> trace_system(const RowScene& scene, const TracedSystem& system, const RayLimits& limits,
-                                RowCounts& counts, const ProgressObserver& observer,
-                                const RowsTaker& taker = {});
+                                std::span<const std::uint32_t> node_quality, RowCounts& counts,
+                                const ProgressObserver& observer, const RowsTaker& taker = {});
 
 /// Rows of clusters alone, of few rays: enough to see what lights what.
 Result<std::vector<FormFactorRow>> trace_survey(const RowScene& scene, const std::vector<Chart>& charts,

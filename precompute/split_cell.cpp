@@ -61,7 +61,9 @@ std::vector<Clump> cut_finely(const Geometry& geometry, const Chart& chart,
         if (!(share > 1e-10)) continue;
         Piece fine = piece;
         fine.shape.corners = {glm::vec2(a), glm::vec2(b), glm::vec2(c)};
-        fine.area = float(share) * geometry.areas[piece.shape.triangle];
+        const double solid = geometry.opacity.mean(piece.shape.triangle, fine.shape.corners);
+        if (!(solid > 0.0)) continue;
+        fine.area = float(share * solid) * geometry.areas[piece.shape.triangle];
         add_to_clump(geometry, chart.side, x, y, fine, clumps);
       }
     });

@@ -27,6 +27,8 @@ constexpr std::uint32_t kBatches = 16;
 /// Factors are a dense table; beyond this it would no longer fit memory or a reader.
 constexpr std::size_t kMaxSurfaces = 4096;
 
+constexpr std::array<glm::vec2, 3> kWholeTriangle{glm::vec2{0, 0}, glm::vec2{1, 0}, glm::vec2{0, 1}};
+
 /// A triangle that sends from one side.
 struct SendingSide {
   std::uint32_t triangle = 0;
@@ -37,7 +39,8 @@ struct SendingSide {
 struct Surface {
   std::string name;
   std::vector<SendingSide> sides;
-  std::vector<double> cumulative_area;  ///< m2
+  std::vector<double> cumulative_area;  ///< m2, holes of masks included
+  double solid_area = 0.0;              ///< m2
 };
 
 struct Surfaces {
@@ -53,7 +56,7 @@ Surfaces group_triangles(const Scene& scene, const Geometry& geometry, FactorGro
   for (const auto group : groups) index_of[group] = 0;
   for (auto& [group, index] : index_of) {
     index = static_cast<std::uint32_t>(surfaces.list.size());
-    surfaces.list.push_back({by_node ? scene.nodes[group].path : scene.materials[group].name, {}, {}});
+    surfaces.list.push_back({by_node ? scene.nodes[group].path : scene.materials[group].name, {}, {}, 0.0});
   }
   for (std::uint32_t t = 0; t < groups.size(); ++t) {
     const std::uint32_t index = index_of[groups[t]];
@@ -64,14 +67,21 @@ Surfaces group_triangles(const Scene& scene, const Geometry& geometry, FactorGro
       const double below = surface.cumulative_area.empty() ? 0.0 : surface.cumulative_area.back();
       surface.sides.push_back({t, side});
       surface.cumulative_area.push_back(below + static_cast<double>(geometry.areas[t]));
+      surface.solid_area += geometry.opacity.mean(t, kWholeTriangle) * static_cast<double>(geometry.areas[t]);
     }
   }
   return surfaces;
 }
 
+/// Where a ray starts, and how much of that place is solid: a hole sends nothing.
+struct Origin {
+  SurfacePoint point;
+  float solid = 1.0f;
+};
+
 /// Point of the surface for u, v in [0, 1), uniform by area; kept as far from the border of its triangle as
 /// rays are lifted, for an origin in the edge of a room would start behind the other wall.
-SurfacePoint sample(const Geometry& geometry, const Surface& surface, float u, float v) {
+Origin sample(const Geometry& geometry, const Surface& surface, float u, float v) {
   const std::vector<double>& areas = surface.cumulative_area;
   const double target = static_cast<double>(u) * areas.back();
   const auto found = std::upper_bound(areas.begin(), areas.end() - 1, target);
@@ -84,7 +94,8 @@ SurfacePoint sample(const Geometry& geometry, const Surface& surface, float u, f
   const glm::vec3 inward = geometry.point(triangle, 1.0f / 3.0f, 1.0f / 3.0f) - point;
   const float distance = glm::length(inward);
   const float step = distance > 0.0f ? std::min(1.0f, 2.0f * geometry.offset / distance) : 0.0f;
-  return {point + inward * step, geometry.normal(triangle, side)};
+  return {{point + inward * step, geometry.normal(triangle, side)},
+          geometry.opacity.at(triangle, at.x, at.y)};
 }
 
 void set_ray(RayPacket& packet, int lane, const glm::vec3& origin, const glm::vec3& direction) {
@@ -106,45 +117,53 @@ struct FactorScene {
   const SobolPoints& points;
 };
 
-/// Rays that arrived, per surface that any arrived at.
-using Arrivals = std::map<std::uint32_t, std::uint32_t>;
+/// Rays of one batch, each weighted by how solid its origin is.
+struct Arrivals {
+  std::map<std::uint32_t, double> at;  ///< per surface that any arrived at
+  double sent = 0.0;
+};
 
-void count_arrivals(const FactorScene& scene, const RayPacket& packet, int lanes, Arrivals& arrivals) {
+void count_arrivals(const FactorScene& scene, const RayPacket& packet,
+                    const std::array<float, kPacketSize>& weights, int lanes, Arrivals& arrivals) {
   for (int lane = 0; lane < lanes; ++lane) {
+    arrivals.sent += weights[std::size_t(lane)];
     if (packet.triangle[lane] == kNoTriangle) continue;
     const glm::vec3 direction(packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]);
     const auto seen =
         seen_surface(scene.geometry, {packet.triangle[lane], packet.u[lane], packet.v[lane]}, direction);
-    if (seen) ++arrivals[scene.surfaces.of_triangle[seen->triangle]];
+    if (seen) arrivals.at[scene.surfaces.of_triangle[seen->triangle]] += weights[std::size_t(lane)];
   }
 }
 
 Arrivals trace_batch(const FactorScene& scene, const Surface& surface, std::uint64_t key) {
   Arrivals arrivals;
   RayPacket packet{};
+  std::array<float, kPacketSize> weights{};
   for (std::uint32_t first = 0; first < scene.points.count(); first += kPacketSize) {
     const int lanes = static_cast<int>(std::min<std::uint32_t>(kPacketSize, scene.points.count() - first));
     packet.near.fill(0.0f);
     packet.far.fill(-1.0f);
     for (int lane = 0; lane < lanes; ++lane) {
       const SamplePoint s = scene.points.scrambled(first + static_cast<std::uint32_t>(lane), key);
-      const SurfacePoint origin = sample(scene.geometry, surface, s[2], s[3]);
+      const auto [origin, solid] = sample(scene.geometry, surface, s[2], s[3]);
+      weights[std::size_t(lane)] = solid;
+      if (solid <= 0.0f) continue;
       set_ray(packet, lane, origin.position + origin.normal * scene.geometry.offset,
               frame_about(origin.normal).to_world(cosine_direction(s[0], s[1])));
     }
     scene.caster.closest_hits(packet);
-    count_arrivals(scene, packet, lanes, arrivals);
+    count_arrivals(scene, packet, weights, lanes, arrivals);
   }
   return arrivals;
 }
 
 /// Mean and standard error of the mean over the batches of one surface.
-void finish_row(std::span<const Arrivals> batches, std::uint32_t rays, std::vector<double>& factors,
+void finish_row(std::span<const Arrivals> batches, std::vector<double>& factors,
                 std::vector<double>& errors) {
   std::vector<double> squares(factors.size(), 0.0);
   for (const Arrivals& arrivals : batches) {
-    for (const auto& [surface, count] : arrivals) {
-      const double share = static_cast<double>(count) / rays;
+    for (const auto& [surface, count] : arrivals.at) {
+      const double share = count / arrivals.sent;
       factors[surface] += share / kBatches;
       squares[surface] += share * share / kBatches;
     }
@@ -170,11 +189,11 @@ Result<SurfaceFactors> trace_all(const FactorScene& scene, std::uint64_t seed,
   SurfaceFactors result;
   for (std::size_t i = 0; i < count; ++i) {
     result.surfaces.push_back(scene.surfaces.list[i].name);
-    result.areas.push_back(scene.surfaces.list[i].cumulative_area.back());
+    result.areas.push_back(scene.surfaces.list[i].solid_area);
     result.factors.emplace_back(count, 0.0);
     result.standard_error.emplace_back(count, 0.0);
-    finish_row(std::span(batches).subspan(i * kBatches, kBatches), scene.points.count(),
-               result.factors.back(), result.standard_error.back());
+    finish_row(std::span(batches).subspan(i * kBatches, kBatches), result.factors.back(),
+               result.standard_error.back());
   }
   return result;
 }
@@ -198,7 +217,7 @@ Result<SurfaceFactors> build(const Scene& scene, FactorGrouping grouping, std::u
                 fmt::format("{}: expected at most {} surfaces, found {}; group them by material",
                             scene.file_name, kMaxSurfaces, surfaces.list.size()));
   }
-  const auto caster = RayCaster::create(geometry.positions, geometry.triangles);
+  const auto caster = make_caster(geometry);
   if (!caster) return tl::unexpected(caster.error());
   if (rays == 0) rays = default_rays(surfaces.list.size());
   const SobolPoints points((rays - 1) / kBatches + 1);

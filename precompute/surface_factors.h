@@ -15,7 +15,8 @@ enum class FactorGrouping { node, material };
 
 struct SurfaceFactors {
   std::vector<std::string> surfaces;  ///< node paths or material names
-  std::vector<double> areas;          ///< m2; a double-sided surface counts both sides
+  std::vector<double>
+      areas;  ///< m2, of what is solid (core/opacity.h); a double-sided surface counts both sides
   std::vector<std::vector<double>>
       factors;  ///< [i][j]: fraction of what leaves i (diffusely) that arrives at j
   std::vector<std::vector<double>> standard_error;

@@ -5,14 +5,20 @@
 
 namespace relume {
 
-LumelCutter::LumelCutter(const Survey& survey, const ClusteredSurface& surface,
-                         const std::vector<bool>& own_elements, const std::vector<std::uint32_t>& order,
-                         const CutLimits& limits)
-    : survey_(survey), surface_(surface), own_elements_(own_elements), order_(order), limits_(limits) {}
+std::vector<CutLimits> cluster_cuts(const TracedSystem& system, const std::vector<CutLimits>& node_cuts) {
+  std::vector<CutLimits> cuts(system.surface.cluster_count);
+  for (std::size_t e = 0; e < system.surface.cluster.size(); ++e)
+    cuts[system.surface.cluster[e]] = node_cuts[system.node(std::uint32_t(e))];
+  return cuts;
+}
+
+LumelCutter::LumelCutter(const Survey& survey, const TracedSystem& system,
+                         const std::vector<std::uint32_t>& order, const std::vector<CutLimits>& node_cuts)
+    : survey_(survey), system_(system), order_(order), node_cuts_(node_cuts) {}
 
 void LumelCutter::take(std::uint32_t last, SystemRows& rows) {
-  for (; next_ < order_.size() && surface_.cluster[order_[next_]] < last; ++next_) {
-    if (own_elements_[order_[next_]]) waiting_.push_back(order_[next_]);
+  for (; next_ < order_.size() && system_.surface.cluster[order_[next_]] < last; ++next_) {
+    if (system_.own_elements[order_[next_]]) waiting_.push_back(order_[next_]);
   }
   cut(waiting_.size() / kTileRows * kTileRows, rows);
 }
@@ -24,8 +30,13 @@ std::vector<CutTile> LumelCutter::finish(SystemRows& rows) {
 
 void LumelCutter::cut(std::size_t count, SystemRows& rows) {
   std::vector<const FormFactorRow*> pointers;
-  for (std::size_t i = 0; i < count; ++i) pointers.push_back(&rows.elements[waiting_[i]]);
-  auto tiles = cut_rows(survey_.senders.tree, survey_.probing, pointers, {kTileRows, limits_});
+  std::vector<CutLimits> limits;
+  for (std::size_t i = 0; i < count; ++i) {
+    pointers.push_back(&rows.elements[waiting_[i]]);
+    limits.push_back(node_cuts_[system_.node(waiting_[i])]);
+  }
+  if (count == 0) return;
+  auto tiles = cut_rows(survey_.senders.tree, survey_.probing, pointers, {kTileRows, limits});
   std::move(tiles.begin(), tiles.end(), std::back_inserter(tiles_));
   for (std::size_t i = 0; i < count; ++i) rows.elements[waiting_[i]] = {};
   waiting_.erase(waiting_.begin(), waiting_.begin() + std::ptrdiff_t(count));

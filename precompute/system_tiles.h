@@ -18,12 +18,16 @@ struct SystemTiles {
   std::vector<CutTile> clusters, lumels, sensors;  ///< sensors: tiles of one row
 };
 
+/// Limits of each row of a system's clusters.
+std::vector<CutLimits> cluster_cuts(const TracedSystem& system, const std::vector<CutLimits>& node_cuts);
+
 /// Cuts the rows of lumels batch by batch and lets go of them.
 class LumelCutter {
  public:
-  /// Borrows all; `order`: the elements in the order that the model stores, by cluster.
-  LumelCutter(const Survey& survey, const ClusteredSurface& surface, const std::vector<bool>& own_elements,
-              const std::vector<std::uint32_t>& order, const CutLimits& limits);
+  /// Borrows all; `order`: the elements in the order that the model stores, by cluster; `node_cuts` per node
+  /// of the scene.
+  LumelCutter(const Survey& survey, const TracedSystem& system, const std::vector<std::uint32_t>& order,
+              const std::vector<CutLimits>& node_cuts);
 
   /// Rows of the elements of all clusters below `last` are there. What does not fill a tile waits for more.
   void take(std::uint32_t last, SystemRows& rows);
@@ -34,10 +38,9 @@ class LumelCutter {
   void cut(std::size_t count, SystemRows& rows);
 
   const Survey& survey_;
-  const ClusteredSurface& surface_;
-  const std::vector<bool>& own_elements_;
+  TracedSystem system_;
   const std::vector<std::uint32_t>& order_;
-  CutLimits limits_;
+  const std::vector<CutLimits>& node_cuts_;
   std::size_t next_ = 0;                ///< in order_
   std::vector<std::uint32_t> waiting_;  ///< elements whose rows are not cut yet
   std::vector<CutTile> tiles_;

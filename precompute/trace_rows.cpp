@@ -19,20 +19,20 @@ Result<void> trace_systems(const RowScene& scene, const Surfaces& surfaces, cons
   for (std::size_t s = 0; s < surfaces.systems.size(); ++s) {
     const TracedSystem system{surfaces.charts, surfaces.systems[s], surfaces.own_elements[s]};
     if (survey == nullptr) {
-      auto traced = trace_system(scene, system, plan.lumels, counts, observer);
+      auto traced = trace_system(scene, system, plan.lumels, plan.node_quality, counts, observer);
       if (!traced) return tl::unexpected(traced.error());
       rows.systems.push_back(std::move(*traced));
       continue;
     }
-    LumelCutter cutter(*survey, surfaces.systems[s], surfaces.own_elements[s], rows.orders[s],
-                       plan.lumel_cut);
-    auto traced = trace_system(scene, system, plan.lumels, counts, observer,
+    LumelCutter cutter(*survey, system, rows.orders[s], plan.node_cuts);
+    auto traced = trace_system(scene, system, plan.lumels, plan.node_quality, counts, observer,
                                [&](std::uint32_t last, SystemRows& batch) { cutter.take(last, batch); });
     if (!traced) return tl::unexpected(traced.error());
     SystemTiles tiles;
     tiles.lumels = cutter.finish(*traced);
-    tiles.clusters = cut_rows(survey->senders.tree, survey->probing, pointers_to(traced->clusters),
-                              {kTileRows, plan.lumel_cut});
+    const std::vector<CutLimits> cuts = cluster_cuts(system, plan.node_cuts);
+    tiles.clusters =
+        cut_rows(survey->senders.tree, survey->probing, pointers_to(traced->clusters), {kTileRows, cuts});
     traced->clusters = {};
     rows.systems.push_back(std::move(*traced));
     rows.tiles.push_back(std::move(tiles));
@@ -52,8 +52,8 @@ Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces,
   if (!sensor_rows) return tl::unexpected(sensor_rows.error());
   rows.sensors = std::move(*sensor_rows);
   if (survey != nullptr) {
-    rows.tiles.front().sensors =
-        cut_rows(survey->senders.tree, survey->probing, pointers_to(rows.sensors.rows), {1, plan.sensor_cut});
+    rows.tiles.front().sensors = cut_rows(survey->senders.tree, survey->probing,
+                                          pointers_to(rows.sensors.rows), {1, {&plan.sensor_cut, 1}});
   }
   return rows;
 }

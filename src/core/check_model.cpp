@@ -160,7 +160,7 @@ Result<void> check_occluders(const Model& model) {
       !std::all_of(occluders.back_uv.begin(), occluders.back_uv.end(), uv_finite)) {
     return broken_model("occluders: expected finite lightmap coordinates");
   }
-  return {};
+  return check_opacity(occluders.opacity, count);
 }
 
 /// Numbers over all systems fit 32 bits.

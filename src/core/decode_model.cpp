@@ -214,6 +214,9 @@ std::optional<Result<void>> read_model_section(const Section& section, Model& mo
   if (id == kOccluderSystems) return read_array(section, occluders.system);
   if (id == kOccluderFrontUv) return read_array(section, occluders.front_uv);
   if (id == kOccluderBackUv) return read_array(section, occluders.back_uv);
+  if (id == kOpacityMaps) return read_array(section, occluders.opacity.maps);
+  if (id == kOpacityTexels) return read_array(section, occluders.opacity.texels);
+  if (id == kOpacityTriangles) return read_array(section, occluders.opacity.triangles);
   if (id != kSensorNames) return std::nullopt;
   return read_records<std::string>(section, model.sensor_names,
                                    [](ByteReader& reader) { return reader.take_string(); });

@@ -99,6 +99,9 @@ void add_occluders(const Occluders& occluders, SectionWriter& file) {
   file.add_array(kOccluderSystems, kNone, occluders.system);
   file.add_array(kOccluderFrontUv, kNone, occluders.front_uv);
   file.add_array(kOccluderBackUv, kNone, occluders.back_uv);
+  file.add_array(kOpacityMaps, kNone, occluders.opacity.maps);
+  file.add_array(kOpacityTexels, kNone, occluders.opacity.texels);
+  file.add_array(kOpacityTriangles, kNone, occluders.opacity.triangles);
 }
 
 void add_matrix(const BlockMatrix& matrix, std::string_view id, std::uint32_t owner, SectionWriter& file) {

@@ -16,6 +16,7 @@
 
 #include "core/block_matrix.h"
 #include "core/light.h"
+#include "core/opacity.h"
 #include "core/quantities.h"
 
 namespace relume {
@@ -27,7 +28,7 @@ enum class Side : std::uint32_t { front = 0, back = 1 };  ///< front: triangle c
 /// A leaf of the cluster tree: a patch of surface, nearly flat or small, of one material, one node and one side. Stored.
 struct Cluster {
   glm::vec3 centroid{0.0f};
-  float area = 0.0f;  ///< m2
+  float area = 0.0f;  ///< m2, of the solid part (core/opacity.h): so A_i F_ij = A_j F_ji
   glm::vec3 normal{0.0f};  ///< unit, area-weighted mean
   std::uint32_t material = 0;
   std::array<float, 3> albedo{};    ///< of the scene that was precomputed, textures averaged, clamped to Model::max_albedo
@@ -152,6 +153,7 @@ struct Occluders {
   /// Lightmap coordinates in lumels of corner k of triangle t at [3 t + k], per side. `back_uv` is empty when nothing is double-sided.
   std::vector<glm::vec2> front_uv;
   std::vector<glm::vec2> back_uv;
+  Opacity opacity;  ///< of the triangles that let light through
 };
 
 /// A perspective camera for previews.

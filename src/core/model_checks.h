@@ -16,6 +16,9 @@ namespace relume {
 /// Nodes span at least two of the `leaves` leaves.
 Result<void> check_tree(const std::vector<TreeNode>& tree, std::size_t leaves, const std::string& owner);
 
+/// The promises of core/opacity.h, over so many triangles.
+Result<void> check_opacity(const Opacity& opacity, std::size_t triangles);
+
 /// The promises of system `index`; those of the occluders are checked before.
 Result<void> check_system(const Model& model, std::size_t index);
 

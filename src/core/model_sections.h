@@ -22,6 +22,9 @@ inline constexpr std::string_view kOccluderNodes = "ONOD";
 inline constexpr std::string_view kOccluderSystems = "OSYS";
 inline constexpr std::string_view kOccluderFrontUv = "OFUV";
 inline constexpr std::string_view kOccluderBackUv = "OBUV";
+inline constexpr std::string_view kOpacityMaps = "OAMP";
+inline constexpr std::string_view kOpacityTexels = "OATX";
+inline constexpr std::string_view kOpacityTriangles = "OATR";
 
 inline constexpr std::string_view kSystem = "SYST";
 inline constexpr std::string_view kClusters = "CLUS";

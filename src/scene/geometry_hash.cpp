@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "scene/scene_opacity.h"
 #include "scene/surface_color.h"
 
 namespace relume {
@@ -41,6 +42,28 @@ void add_material(const SceneMaterial& material, Hasher& hasher) {
     hasher.add(material.alpha);
     hasher.add(material.alpha_cutoff);
   }
+  if (material.transmission > 0.0) hasher.add(material.transmission);
+}
+
+/// What textures and vertex colours cut out of the triangles of each node; of an image its alpha, not its
+/// colours.
+void add_opacities(const Scene& scene, std::vector<Hasher>& hashers) {
+  const Opacity opacity = scene_opacity(scene);
+  std::vector<std::uint64_t> maps;
+  for (const OpacityMap& map : opacity.maps) {
+    Hasher hasher;
+    for (const std::uint32_t number : {map.width, std::uint32_t(map.wrap_s), std::uint32_t(map.wrap_t)})
+      hasher.add(number);
+    for (std::size_t i = 0; i < std::size_t{map.width} * map.height; ++i)
+      hasher.add(opacity.texels[map.first_texel + i]);
+    maps.push_back(hasher.digest());
+  }
+  const auto surfaces = surface_of_triangles(scene);
+  for (const OpacityTriangle& listed : opacity.triangles) {
+    Hasher& hasher = hashers[scene.surfaces[surfaces[listed.triangle]].node];
+    hasher.add(listed.corners);
+    hasher.add(maps[listed.map]);
+  }
 }
 
 /// Positions count as float: exporters that write the same matrix in another way differ in the last bits of a
@@ -72,6 +95,7 @@ GeometryHash geometry_hash(const Scene& scene) {
     hashers[n].add(static_cast<std::uint32_t>(scene.nodes[n].is_static));
   }
   for (const SceneSurface& surface : scene.surfaces) add_surface(scene, surface, hashers[surface.node]);
+  add_opacities(scene, hashers);
   GeometryHash out;
   Hasher total;
   for (std::size_t n = 0; n < scene.nodes.size(); ++n) {

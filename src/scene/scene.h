@@ -21,7 +21,6 @@
 namespace relume {
 
 enum class AlphaMode : std::uint32_t { opaque, mask, blend };
-enum class WrapMode : std::uint32_t { repeat, mirrored_repeat, clamp_to_edge };
 
 /// A decoded image: 8-bit RGBA, colours sRGB-coded as in the file.
 struct SceneImage {
@@ -47,6 +46,7 @@ struct SceneMaterial {
   std::optional<TextureUse> emission_texture;
   AlphaMode alpha_mode = AlphaMode::opaque;
   double alpha_cutoff = 0.5;
+  double transmission = 0.0;  ///< 0..1: share of the light on its solid part that passes straight through
   bool double_sided = false;
   bool unlit = false;  ///< neither bounces nor emits
 };
@@ -54,12 +54,13 @@ struct SceneMaterial {
 /// `extras.relume` of a node, inherited by its children unless they say otherwise. Absent = not said.
 struct NodeExtras {
   std::optional<bool> is_static;
-  std::optional<std::string> receiver;  ///< "lightmap", "clusters", "probes" or "none"
+  /// "lightmap"; "clusters" and "probes": it reflects, but has no lumels; "none": it only blocks.
+  std::optional<std::string> receiver;
   std::optional<std::string> system;
-  std::optional<double> texel_size;  ///< m
-  std::optional<std::uint32_t> quality;
-  std::optional<std::uint32_t> budget;
-  std::optional<bool> emitter;  ///< its materials may emit later
+  std::optional<double> texel_size;      ///< m
+  std::optional<std::uint32_t> quality;  ///< rays per lumel
+  std::optional<std::uint32_t> budget;   ///< form factors kept per tile of its rows
+  std::optional<bool> emitter;           ///< its materials may emit later
 };
 
 /// A node that carries surfaces, once per instance.

@@ -36,23 +36,12 @@ double linear_from_srgb(std::uint8_t code) {
   return table[code];
 }
 
-std::uint32_t wrapped_texel(double t, WrapMode mode, std::uint32_t size) {
-  if (!std::isfinite(t)) return 0;
-  if (mode == WrapMode::repeat) t -= std::floor(t);
-  if (mode == WrapMode::mirrored_repeat) {
-    t -= 2.0 * std::floor(t / 2.0);
-    if (t > 1.0) t = 2.0 - t;
-  }
-  const double texel = std::clamp(t, 0.0, 1.0) * size;
-  return std::min(static_cast<std::uint32_t>(texel), size - 1);
-}
-
-Rgb texel_color(const SceneImage& image, const TextureUse& use, const glm::dvec2& uv) {
+/// RGBA, as in the file.
+const std::uint8_t* texel(const SceneImage& image, const TextureUse& use, const glm::dvec2& uv) {
   const glm::dvec3 at = use.transform * glm::dvec3(uv, 1.0);
   const std::size_t x = wrapped_texel(at.x, use.wrap_s, image.width);
   const std::size_t y = wrapped_texel(at.y, use.wrap_t, image.height);
-  const std::uint8_t* rgba = &image.rgba[4 * (y * image.width + x)];
-  return {linear_from_srgb(rgba[0]), linear_from_srgb(rgba[1]), linear_from_srgb(rgba[2])};
+  return &image.rgba[4 * (y * image.width + x)];
 }
 
 /// One triangle of a scene with all that its colour depends on.
@@ -74,13 +63,25 @@ struct ColoredTriangle {
   }
 
   Rgb texture(const std::optional<TextureUse>& use, const glm::dvec2& b) const {
-    return use ? texel_color(scene.images[use->image], *use, uv(*use, b)) : Rgb(1.0);
+    if (!use) return Rgb(1.0);
+    const std::uint8_t* rgba = texel(scene.images[use->image], *use, uv(*use, b));
+    return {linear_from_srgb(rgba[0]), linear_from_srgb(rgba[1]), linear_from_srgb(rgba[2])};
+  }
+
+  double opacity(const glm::dvec2& b) const {
+    const double solid = 1.0 - material.transmission;
+    if (material.alpha_mode == AlphaMode::opaque) return solid;
+    double alpha = material.alpha * (surface.has_colors ? interpolated(scene.vertices.colors, b).w : 1.0);
+    if (const auto& use = material.base_color_texture)
+      alpha *= texel(scene.images[use->image], *use, uv(*use, b))[3] / 255.0;
+    if (material.alpha_mode == AlphaMode::blend) return alpha * solid;
+    return alpha >= material.alpha_cutoff ? solid : 0.0;
   }
 
   SurfaceColor at(const glm::dvec2& b) const {
     const Rgb vertex_color = surface.has_colors ? Rgb(interpolated(scene.vertices.colors, b)) : Rgb(1.0);
     return {material.base_color * vertex_color * texture(material.base_color_texture, b),
-            material.emission * texture(material.emission_texture, b)};
+            material.emission * texture(material.emission_texture, b), opacity(b)};
   }
 
   /// How many texels a piece covers.
@@ -133,27 +134,35 @@ double triangle_area(const Occluders& occluders, std::uint32_t triangle) {
   return glm::length(glm::cross(b - a, c - a)) / 2.0;
 }
 
-/// Area mean over all pieces of a cluster.
+struct ColorMean {
+  SurfaceColor sum;
+  double weight = 0.0;
+
+  void add(const SurfaceColor& color, double more) {
+    sum.albedo += more * color.albedo;
+    sum.radiance += more * color.radiance;
+    weight += more;
+  }
+  SurfaceColor mean() const {
+    if (weight <= 0.0) return {};
+    return {sum.albedo / weight, sum.radiance / weight};
+  }
+};
+
+/// Mean over the solid area of all pieces of a cluster.
 SurfaceColor cluster_color(const Model& model, const System& system, const Cluster& cluster,
                            const Scene& scene) {
-  SurfaceColor sum;
-  double area = 0.0;
+  ColorMean mean;
   for (std::uint32_t e = 0; e < cluster.element_count; ++e) {
     const SurfaceElement& element = system.elements[cluster.first_element + e];
     for (std::uint32_t p = 0; p < element.piece_count; ++p) {
       const SurfacePiece& piece = system.pieces[element.first_piece + p];
       const double weight = triangle_area(model.occluders, piece.triangle) * piece_share(piece.corners);
       const SurfaceColor color = mean_color(scene, piece.triangle, piece.corners);
-      sum.albedo += weight * color.albedo;
-      sum.radiance += weight * color.radiance;
-      area += weight;
+      mean.add(color, weight * std::max(color.coverage, 1e-12));
     }
   }
-  if (area > 0.0) {
-    sum.albedo /= area;
-    sum.radiance /= area;
-  }
-  return sum;
+  return mean.mean();
 }
 
 std::uint32_t material_of(const Scene& scene, const System& system, const Cluster& cluster) {
@@ -172,14 +181,16 @@ SurfaceColor mean_color(const Scene& scene, std::uint32_t triangle, const Corner
     const glm::vec2 centroid = (corners[0] + corners[1] + corners[2]) / 3.0f;
     return colored.at(glm::dvec2(centroid));
   }
-  SurfaceColor sum;
+  ColorMean solid, all;
   const std::uint32_t count = sample_count(colored, corners);
   for (std::uint32_t i = 0; i < count; ++i) {
     const SurfaceColor color = colored.at(sample_point(i, corners));
-    sum.albedo += color.albedo;
-    sum.radiance += color.radiance;
+    solid.add(color, color.coverage);
+    all.add(color, 1.0);
   }
-  return {sum.albedo / static_cast<double>(count), sum.radiance / static_cast<double>(count)};
+  SurfaceColor mean = solid.weight > 0.0 ? solid.mean() : all.mean();
+  mean.coverage = solid.weight / static_cast<double>(count);
+  return mean;
 }
 
 std::vector<std::uint32_t> surface_of_triangles(const Scene& scene) {

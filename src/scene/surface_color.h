@@ -20,10 +20,13 @@ namespace relume {
 struct SurfaceColor {
   Rgb albedo{0.0};    ///< linear base colour x vertex colour, whatever `metallic` says; not clamped
   Rgb radiance{0.0};  ///< emitted, cd/m2
+  double coverage =
+      1.0;  ///< 0..1: how much of the part is solid (core/opacity.h); both colours are means over that
 };
 
 /// Area mean over the part of triangle `triangle` whose corners have the barycentric coordinates `corners`
-/// (as SurfacePiece); sRGB is decoded before averaging. Unlit materials give zero for both.
+/// (as SurfacePiece); sRGB is decoded before averaging. What alpha cuts out does not count, unless all is cut
+/// out. Unlit materials give zero for both.
 SurfaceColor mean_color(const Scene& scene, std::uint32_t triangle, const std::array<glm::vec2, 3>& corners);
 
 /// Per triangle: index of its surface in Scene::surfaces.

@@ -36,14 +36,14 @@ Result<void> add_matrices(const Model& model, const std::string& format, OutputF
   const ReferenceMatrices matrices = reference_matrices(model);
   const std::string leaves = "columns: clusters of all systems, then sky patches";
   const std::string columns = leaves + ", then nodes of the cluster trees";
-  auto added =
-      add_matrix("bounce", "bounce matrix K; rows: clusters; " + columns, matrices.bounce.rows, format, folder);
+  auto added = add_matrix("bounce", "bounce matrix K; rows: clusters; " + columns, matrices.bounce.rows,
+                          format, folder);
   if (!added) return added;
   added = add_matrix("gather", "gather matrix G; rows: lumels, then sensors, system by system; " + columns,
                      matrices.gather.rows, format, folder);
   if (!added || matrices.bounce.nodes.rows == 0) return added;
-  return add_matrix("nodes", "node matrix P; rows: nodes of the cluster trees; " + leaves, matrices.bounce.nodes,
-                    format, folder);
+  return add_matrix("nodes", "node matrix P; rows: nodes of the cluster trees; " + leaves,
+                    matrices.bounce.nodes, format, folder);
 }
 
 /// Makes shapes readable in a picture of flat colours: brighter towards one fixed direction.
@@ -57,7 +57,8 @@ double relief(const Model& model, const SeenPoint& point) {
 
 /// The debug colours on the surfaces, from a camera that shows them well.
 Result<ByteImage> debug_picture(const Model& model, const std::vector<ColorImage>& images) {
-  const Result<RayCaster> caster = RayCaster::create(model.occluders.positions, model.occluders.triangles);
+  const Result<RayCaster> caster =
+      RayCaster::create(model.occluders.positions, model.occluders.triangles, model.occluders.opacity);
   if (!caster) return tl::unexpected(caster.error());
   const auto color = [&](const SeenPoint& point) {
     const std::optional<LightmapPlace> place = lightmap_place(model, point);

@@ -72,7 +72,8 @@ ByteImage shaded_lightmap(const Model& model, std::size_t s, const Lighting& lig
 
 Result<void> add_pictures(const Model& model, const LightingSetup& setup, const std::vector<Rgb>& irradiance,
                           OutputFolder& folder) {
-  const Result<RayCaster> caster = RayCaster::create(model.occluders.positions, model.occluders.triangles);
+  const Result<RayCaster> caster =
+      RayCaster::create(model.occluders.positions, model.occluders.triangles, model.occluders.opacity);
   if (!caster) return tl::unexpected(caster.error());
   const FineColors colors{setup.scene ? &*setup.scene : nullptr, setup.max_albedo, setup.replaced_materials};
   const SurfaceShading shading(model, setup.lighting, irradiance, colors);

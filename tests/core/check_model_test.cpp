@@ -80,6 +80,32 @@ TEST(CheckModel, RefusesBrokenOccluders) {
   });
 }
 
+TEST(CheckModel, RefusesBrokenOpacity) {
+  expect_refused({
+      {[](Model& m) { m.occluders.opacity.maps[0].rule = OpacityRule{2}; },
+       "opacity map 0: expected rule 0 or 1"},
+      {[](Model& m) { m.occluders.opacity.maps[1].wrap_t = WrapMode{3}; },
+       "opacity map 1: expected rule 0 or 1"},
+      {[](Model& m) { m.occluders.opacity.maps[0].cutoff = -0.5f; },
+       "opacity map 0: expected a finite cutoff"},
+      {[](Model& m) { m.occluders.opacity.maps[0].solid = 1.5f; }, "solid share from 0 to 1"},
+      {[](Model& m) { m.occluders.opacity.maps[0].width = 0; }, "opacity map 0: expected 0 x 2 texels"},
+      {[](Model& m) { m.occluders.opacity.maps[0].height = 3; }, "2 x 3 texels from texel 1 on, found 5"},
+      {[](Model& m) { m.occluders.opacity.maps[0].width = m.occluders.opacity.maps[0].height = 0xffffffffu; },
+       "opacity map 0: expected 4294967295 x 4294967295 texels"},
+      {[](Model& m) { m.occluders.opacity.texels.pop_back(); }, "found 4 texels"},
+      {[](Model& m) { m.occluders.opacity.triangles[1].triangle = 4; },
+       "ascending triangles below 4, found 4"},
+      {[](Model& m) { m.occluders.opacity.triangles[1].triangle = 1; },
+       "ascending triangles below 4, found 1"},
+      {[](Model& m) { m.occluders.opacity.triangles[0].map = 2; },
+       "triangle 1: expected a map below 2, found 2"},
+      {[](Model& m) { m.occluders.opacity.triangles[0].corners[2].z = 1.5f; }, "alpha from 0 to 1"},
+      {[](Model& m) { m.occluders.opacity.triangles[0].corners[1].x = kNotANumber; },
+       "finite texture coordinates"},
+  });
+}
+
 TEST(CheckModel, RefusesBrokenSurfaces) {
   expect_refused({
       {[](Model& m) { m.systems[1].clusters[0].centroid.x = kNotANumber; },

@@ -40,6 +40,10 @@ TEST(ModelFile, ComesBackAsItWas) {
   EXPECT_EQ(read->provenance.options, model.provenance.options);
   EXPECT_EQ(read->occluders.triangles, model.occluders.triangles);
   EXPECT_EQ(read->occluders.back_uv, model.occluders.back_uv);
+  ASSERT_EQ(read->occluders.opacity.triangles.size(), 2u);
+  EXPECT_EQ(read->occluders.opacity.triangles[1].corners[2].z, 0.25f);
+  EXPECT_EQ(read->occluders.opacity.maps[0].solid, 0.75f);
+  EXPECT_EQ(read->occluders.opacity.texels, model.occluders.opacity.texels);
   ASSERT_EQ(read->systems.size(), 2u);
   EXPECT_EQ(read->systems[0].name, "floor");
   EXPECT_EQ(read->systems[0].sensors[0].position, model.systems[0].sensors[0].position);

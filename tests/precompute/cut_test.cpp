@@ -138,7 +138,8 @@ TEST(CutRows, MakesTilesOfNeighboursWithTheRestInTheLast) {
   const ClusterTree tree = tree_of_eight();
   const FormFactorRow left{{0, 1}, {0.5f, 0.25f}}, right{{7}, {0.5f}};
   const std::vector<const FormFactorRow*> rows{&left, &left, &right};
-  const auto tiles = cut_rows(tree, shown(tree, kRamp), rows, {2, {100, 0.0}});
+  const CutLimits limits{100, 0.0};
+  const auto tiles = cut_rows(tree, shown(tree, kRamp), rows, {2, {&limits, 1}});
   ASSERT_EQ(tiles.size(), 2u);
   EXPECT_EQ(tiles[0].values.size(), 2u);
   EXPECT_EQ(tiles[1].values, (std::vector<std::vector<float>>{{0.5f}}));

@@ -204,6 +204,31 @@ TEST(DirectIrradiance, AShadowOfALampIsWhereGeometryPutsIt) {
   EXPECT_EQ(direct.gather[17].x, 0.0);
 }
 
+TEST(DirectIrradiance, WhatAPaneDoesNotStopArrives) {
+  // Two panes over the floor, of which a quarter and a half stop light; the second ends at x = 0.25,
+  // height 1.
+  Model model;
+  add_quad(model, floor_quad(1.0), 4);
+  add_quad(model, {{-3, 1.5, -3}, {0, 0, 6}, {6, 0, 0}}, 0);
+  add_quad(model, {{0.25, 1, -2}, {0, 0, 4}, {2, 0, 0}}, 0);
+  Opacity& opacity = model.occluders.opacity;
+  for (std::uint32_t t = 2; t < 6; ++t) {
+    const float alpha = t < 4 ? 0.25f : 0.5f;
+    opacity.triangles.push_back(
+        {t, 0, {glm::vec3(0, 0, alpha), glm::vec3(0, 0, alpha), glm::vec3(0, 0, alpha)}});
+  }
+  opacity.maps.emplace_back();
+  const glm::dvec3 lamp(0, 2, 0);
+  for (const double x : {0.499, 0.501}) add_sensor(model, {x, 0, 0.1}, {0, 1, 0});
+  const DirectIrradiance direct = light(model, {point_light(lamp)});
+  for (std::size_t s = 0; s < 2; ++s) {
+    const glm::dvec3 way = lamp - model.systems[0].sensors[s].position;
+    const double unblocked = 100.0 * way.y / std::pow(glm::dot(way, way), 1.5);
+    const double expected = unblocked * (s == 0 ? 0.75 : 0.375);
+    EXPECT_NEAR(direct.gather[16 + s].x, expected, 1e-4 * expected);
+  }
+}
+
 TEST(DirectIrradiance, EachSideReceivesItsOwn) {
   Model model;
   model.materials = {{"sheet", true, false}};

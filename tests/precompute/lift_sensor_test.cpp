@@ -25,7 +25,7 @@ Scene turned_room() {
 TEST(LiftSensor, LiftsWhatLiesOnASurfaceOrJustUnderIt) {
   const Scene scene = turned_room();
   const Geometry geometry = make_geometry(scene);
-  const auto caster = RayCaster::create(geometry.positions, geometry.triangles);
+  const auto caster = make_caster(geometry);
   ASSERT_TRUE(caster);
   std::mt19937_64 random(9);
   std::uniform_real_distribution<double> unit(0.05, 0.9);
@@ -49,7 +49,7 @@ TEST(LiftSensor, LiftsWhatLiesOnASurfaceOrJustUnderIt) {
 
 TEST(LiftSensor, LeavesWhatIsInFreeSpace) {
   const Geometry geometry = make_geometry(turned_room());
-  const auto caster = RayCaster::create(geometry.positions, geometry.triangles);
+  const auto caster = make_caster(geometry);
   ASSERT_TRUE(caster);
   const SurfacePoint at = lift_sensor(geometry, *caster, {10.5, -4, 7}, {0, 2, 0});
   EXPECT_EQ(at.position, glm::vec3(10.5f, -4.0f, 7.0f));

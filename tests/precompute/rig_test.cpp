@@ -14,7 +14,7 @@ using test::SceneBuilder;
 
 Model lit(const Scene& scene, std::vector<std::string>& warnings) {
   const Geometry geometry = make_geometry(scene);
-  const auto caster = RayCaster::create(geometry.positions, geometry.triangles);
+  const auto caster = make_caster(geometry);
   Model model;
   light_model(scene, geometry, *caster, model, warnings);
   return model;

@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "scene/load_scene.h"
+#include "support/alpha_materials.h"
 #include "support/matrices.h"
 #include "support/scene_builder.h"
 
@@ -104,6 +105,30 @@ TEST(SurfaceFactors, BacksOfSingleSidedSurfacesTakeNothing) {
     // Half of what a sheet of two sides sends goes down, and its area counts twice: A F stays the same.
     EXPECT_NEAR(factors.areas[1], double_sided ? 2.0 : 1.0, 1e-6);
     EXPECT_NEAR(factors.factors[1][0], double_sided ? test::kCubeOpposite / 2.0 : 0.0, 2e-3);
+  }
+}
+
+TEST(SurfaceFactors, OfWhatIsCutOutAreThoseOfItsSolidPart) {
+  // Floor and lid of a cube, and between them checkers or a pane that sees both.
+  for (const bool checkers : {true, false}) {
+    SceneBuilder builder;
+    const auto paint = builder.material("paint", Rgb(0.5));
+    builder.add_quad("floor", paint, {{{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}});
+    builder.add_quad("lid", paint, {{{0, 1, 0}, {1, 1, 0}, {1, 1, 1}, {0, 1, 1}}});
+    builder.add_quad(
+        "sheet",
+        checkers ? test::checker_material(builder, Rgb(0.5)) : test::blend_material(builder, Rgb(0.5), 0.25),
+        {{{-2, 0.5, -2}, {-2, 0.5, 3}, {3, 0.5, 3}, {3, 0.5, -2}}});
+    test::map_last_quad(builder, 10.0f, 10.0f);
+    const double solid = checkers ? 0.5 : 0.25;
+    const SurfaceFactors factors = measure(builder.scene(), 1u << 18);
+    EXPECT_NEAR(factors.areas[2], 2.0 * 25.0 * solid, 1e-3);
+    EXPECT_NEAR(factors.factors[0][1], test::kCubeOpposite * (1.0 - solid), checkers ? 5e-3 : 4e-3);
+    const double there = factors.areas[0] * factors.factors[0][2],
+                 back = factors.areas[2] * factors.factors[2][0];
+    const double noise = std::hypot(factors.areas[0] * factors.standard_error[0][2],
+                                    factors.areas[2] * factors.standard_error[2][0]);
+    EXPECT_NEAR(there, back, 4.5 * noise);
   }
 }
 

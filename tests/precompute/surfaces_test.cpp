@@ -23,7 +23,7 @@ using test::SceneBuilder;
 struct Surfaces {
   Surfaces(const Scene& scene, double texel_size, double cluster_size)
       : geometry(make_geometry(scene)),
-        caster(*RayCaster::create(geometry.positions, geometry.triangles)),
+        caster(*make_caster(geometry)),
         charts(make_charts(scene, geometry, texel_size, warnings)),
         layout(lay_out_systems(scene, geometry, charts)->front()),
         surface(make_elements(geometry, charts, layout, caster)),

@@ -67,11 +67,11 @@ TEST(Materials, NamesAreUnique) {
   EXPECT_THAT(names, testing::ElementsAre("paint", "paint#2", "material2", "paint#3", "no material"));
 }
 
-TEST(Materials, AlphaIsKeptAndWarnedAbout) {
+TEST(Materials, AlphaIsKept) {
   const Scene scene = test::load_good(with_material({{"alphaMode", "MASK"}, {"alphaCutoff", 0.25}}));
   EXPECT_EQ(scene.materials.at(0).alpha_mode, AlphaMode::mask);
   EXPECT_EQ(scene.materials.at(0).alpha_cutoff, 0.25);
-  EXPECT_TRUE(test::warns(scene, "MASK or BLEND, treated as opaque: 1"));
+  EXPECT_TRUE(scene.warnings.empty());
 }
 
 TEST(Materials, ColoursOutsideTheirRangeAreClampedAndCounted) {

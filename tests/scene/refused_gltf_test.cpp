@@ -66,6 +66,18 @@ TEST(RefusedGltf, WrongTypes) {
                   [](auto& s) { s.json["nodes"][0]["extras"]["relume"]["receiver"] = "lightmaps"; }});
   expect_refused({"/nodes/0/extras/relume/texel_size",
                   [](auto& s) { s.json["nodes"][0]["extras"]["relume"]["texel_size"] = 0; }});
+  for (const auto& [key, value] : std::vector<std::pair<std::string, Json>>{{"texel_size", -1},
+                                                                            {"system", 3},
+                                                                            {"quality", 7},
+                                                                            {"quality", 64.5},
+                                                                            {"quality", (1 << 20) + 1},
+                                                                            {"budget", 0},
+                                                                            {"budget", "many"},
+                                                                            {"emitter", "yes"},
+                                                                            {"receiver", "foo"}}) {
+    expect_refused({("/nodes/0/extras/relume/" + key).c_str(),
+                    [&, k = key, v = value](auto& s) { s.json["nodes"][0]["extras"]["relume"][k] = v; }});
+  }
   expect_refused({"/materials/0/alphaMode", [](auto& s) { s.json["materials"][0]["alphaMode"] = "CUTOUT"; }});
   expect_refused({"/materials/0/emissiveFactor", [](auto& s) {
                     s.json["materials"][0]["emissiveFactor"] = {1, 1};

@@ -14,6 +14,11 @@ Occluders two_quads() {
   occluders.system = {0, 0, 1, 1};
   occluders.front_uv.assign(12, glm::vec2(0.5f));
   occluders.back_uv.assign(12, glm::vec2(0.25f));
+  Opacity& opacity = occluders.opacity;
+  opacity.maps = {{OpacityRule::mask, 0.5f, 0.75f, 2, 2, WrapMode::repeat, WrapMode::clamp_to_edge, 1}, {}};
+  opacity.texels = {9, 255, 0, 0, 255};
+  opacity.triangles = {{1, 0, {{{0, 0, 1}, {1, 0, 1}, {1, 1, 0.5}}}},
+                       {3, 1, {{{0, 0, 0.25}, {0, 0, 0.25}, {0, 0, 0.25}}}}};
   return occluders;
 }
 

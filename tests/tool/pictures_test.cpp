@@ -162,7 +162,8 @@ TEST(ViewRays, PassTheBacksOfSingleSidedMaterials) {
   model.materials = {{"one side", false, false}, {"two sides", true, false}};
   add_triangle(model, 1.0f, 0);
   add_triangle(model, 2.0f, 1);
-  const Result<RayCaster> caster = RayCaster::create(model.occluders.positions, model.occluders.triangles);
+  const Result<RayCaster> caster =
+      RayCaster::create(model.occluders.positions, model.occluders.triangles, model.occluders.opacity);
   ASSERT_TRUE(caster);
   ViewRays rays;
   rays.fill({{0.25f, 0.5f, 0.0f}, {0.0f, 0.0f, 1.0f}});  // from below: both backs

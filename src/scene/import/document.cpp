@@ -23,6 +23,7 @@ constexpr auto kSupportedExtensions = std::to_array<std::string_view>({
     "EXT_meshopt_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
+    "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
     "KHR_texture_transform",

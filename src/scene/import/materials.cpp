@@ -19,7 +19,8 @@ constexpr std::uint64_t kImagesInAll = 4;  // times the pixels of one image that
 /// Materials to be named in one warning per kind.
 struct Counts {
   std::size_t clamped = 0;
-  std::size_t not_opaque = 0;
+  std::size_t transmission_textures = 0;
+  std::size_t volumes = 0;
   std::size_t not_finite = 0;
   std::size_t without_image = 0;
   std::size_t far_uv_set = 0;
@@ -52,8 +53,8 @@ class Converter {
     material.alpha_mode = source.alphaMode == "MASK"    ? AlphaMode::mask
                           : source.alphaMode == "BLEND" ? AlphaMode::blend
                                                         : AlphaMode::opaque;
-    if (material.alpha_mode != AlphaMode::opaque) ++counts_.not_opaque;
     material.alpha_cutoff = source.alphaCutoff;
+    material.transmission = transmission(source);
     material.double_sided = source.doubleSided;
     material.unlit = source.extensions.count("KHR_materials_unlit") != 0;
     const auto strength = source.extensions.find("KHR_materials_emissive_strength");
@@ -62,6 +63,15 @@ class Converter {
       scale = strength->second.Get("emissiveStrength").GetNumberAsDouble();
     }
     material.emission = emission(source.emissiveFactor, scale);
+  }
+
+  double transmission(const tinygltf::Material& source) {
+    if (source.extensions.count("KHR_materials_volume") != 0) ++counts_.volumes;
+    const auto said = source.extensions.find("KHR_materials_transmission");
+    if (said == source.extensions.end() || !said->second.Has("transmissionFactor")) return 0.0;
+    const double factor = said->second.Get("transmissionFactor").GetNumberAsDouble();
+    if (factor > 0.0 && said->second.Has("transmissionTexture")) ++counts_.transmission_textures;
+    return factor;
   }
 
   Rgb clamped(const Rgb& base) {
@@ -160,7 +170,10 @@ class Converter {
   void report() {
     warn(counts_.clamped, "materials with a base colour outside 0 to 1, clamped");
     warn(counts_.not_finite, "materials with an emission below 0 or not finite, set to 0");
-    warn(counts_.not_opaque, "materials with alphaMode MASK or BLEND, treated as opaque");
+    warn(counts_.transmission_textures,
+         "materials with a transmission texture, of which only the factor counts");
+    warn(counts_.volumes,
+         "materials with KHR_materials_volume, treated as thin: light passes straight and uncoloured");
     warn(counts_.without_image, "textures without an image that Relume reads, left out");
     warn(counts_.far_uv_set, "textures that use a TEXCOORD above 1, left out");
   }

@@ -158,6 +158,9 @@ constexpr auto kRules = std::to_array<Rule>({
     object("materials/*/extensions/KHR_materials_unlit"),
     object("materials/*/extensions/KHR_materials_emissive_strength"),
     number("materials/*/extensions/KHR_materials_emissive_strength/emissiveStrength", 0, 1e30),
+    object("materials/*/extensions/KHR_materials_transmission"),
+    number("materials/*/extensions/KHR_materials_transmission/transmissionFactor", 0, 1),
+    object("materials/*/extensions/KHR_materials_transmission/transmissionTexture"),
 
     array("meshes"),
     object("meshes/*"),
@@ -229,7 +232,7 @@ constexpr auto kRules = std::to_array<Rule>({
     word("nodes/*/extras/relume/receiver", "lightmap|clusters|probes|none"),
     text("nodes/*/extras/relume/system"),
     positive("nodes/*/extras/relume/texel_size"),
-    integer("nodes/*/extras/relume/quality", 1, 1 << 24),
+    integer("nodes/*/extras/relume/quality", 8, 1 << 20),
     integer("nodes/*/extras/relume/budget", 1, 1 << 24),
     boolean("nodes/*/extras/relume/emitter"),
 
