@@ -49,8 +49,9 @@ std::vector<std::uint32_t> find_rooms(const std::vector<ClusteredSurface>& surfa
   return rooms;
 }
 
-std::vector<TreeLeaf> leaves_of(const ClusteredSurface& surface, const Emitters& emitters,
-                                const std::vector<std::uint32_t>& rooms) {
+/// Appends the clusters of system `part`.
+void append_leaves(const ClusteredSurface& surface, std::uint32_t part, const Emitters& emitters,
+                   const std::vector<std::uint32_t>& rooms, std::vector<TreeLeaf>& all) {
   std::vector<TreeLeaf> leaves(surface.cluster_count);
   for (std::size_t e = 0; e < surface.cluster.size(); ++e) {
     const Element& element = surface.surface.elements[e];
@@ -64,8 +65,9 @@ std::vector<TreeLeaf> leaves_of(const ClusteredSurface& surface, const Emitters&
     leaves[c].centroid /= leaves[c].area;
     leaves[c].normal /= leaves[c].area;
     leaves[c].group = 2 * rooms[cluster] + (emitters.of_cluster[cluster] != kNone ? 1u : 0u);
+    leaves[c].part = part;
+    all.push_back(leaves[c]);
   }
-  return leaves;
 }
 
 template <class T>
@@ -106,22 +108,31 @@ void renumber(const std::vector<std::uint32_t>& numbers, std::vector<FormFactorR
   tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t i) { renumberings.local().apply(rows[i]); });
 }
 
-/// The clusters of one system; `numbers` gets the new ones.
+/// The clusters of all systems; `numbers` gets the new ones.
 void number_clusters(const Emitters& emitters, const std::vector<std::uint32_t>& old_rooms,
-                     ClusteredSurface& surface, SystemRows& rows, SenderTree& senders,
-                     std::vector<std::uint32_t>& numbers) {
-  const std::vector<TreeLeaf> leaves = leaves_of(surface, emitters, old_rooms);
+                     std::vector<ClusteredSurface>& surfaces, std::vector<SystemRows>& rows,
+                     SenderTree& senders, std::vector<std::uint32_t>& numbers) {
+  std::vector<TreeLeaf> leaves;
+  for (std::uint32_t s = 0; s < surfaces.size(); ++s)
+    append_leaves(surfaces[s], s, emitters, old_rooms, leaves);
   const std::vector<std::uint32_t> order = tree_order(leaves);
-  append_tree(in_order(leaves, order), surface.first_cluster, senders.tree);
+  append_tree(in_order(leaves, order), 0, senders.tree);
+  std::vector<std::vector<std::uint32_t>> local_order(surfaces.size());
+  std::vector<std::uint32_t> local_numbers(leaves.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) {
-    numbers[surface.first_cluster + order[i]] = surface.first_cluster + i;
+    const std::uint32_t s = leaves[order[i]].part;
+    local_numbers[order[i]] = std::uint32_t(local_order[s].size());
+    local_order[s].push_back(order[i] - surfaces[s].first_cluster);
+    numbers[order[i]] = i;
+    senders.places.push_back({s, local_numbers[order[i]]});
     senders.weights.push_back(leaves[order[i]].area);
   }
-  for (auto& cluster : surface.cluster)
-    cluster = numbers[surface.first_cluster + cluster] - surface.first_cluster;
-  std::vector<FormFactorRow> ordered(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) ordered[i] = std::move(rows.clusters[order[i]]);
-  rows.clusters = std::move(ordered);
+  for (std::size_t s = 0; s < surfaces.size(); ++s) {
+    for (auto& cluster : surfaces[s].cluster) cluster = local_numbers[surfaces[s].first_cluster + cluster];
+    std::vector<FormFactorRow> ordered;
+    for (const auto c : local_order[s]) ordered.push_back(std::move(rows[s].clusters[c]));
+    rows[s].clusters = std::move(ordered);
+  }
 }
 
 std::vector<bool> seen_senders(std::size_t count, const std::vector<SystemRows>& rows,
@@ -148,12 +159,13 @@ void number_sky(const std::vector<bool>& seen, std::uint32_t cluster_count, std:
     if (!seen[cluster_count + cell]) continue;
     cells.push_back(cell);
     leaves.push_back({glm::vec3(sky_cell_direction(cell, sky_resolution)), glm::vec3(0.0f),
-                      float(sky_cell_solid_angle(cell, sky_resolution)), 0});
+                      float(sky_cell_solid_angle(cell, sky_resolution)), 0, 0});
   }
   const std::vector<std::uint32_t> order = tree_order(leaves);
   append_tree(in_order(leaves, order), cluster_count, senders.tree);
   for (std::uint32_t i = 0; i < order.size(); ++i) {
     numbers[cluster_count + cells[order[i]]] = cluster_count + i;
+    senders.places.push_back({kSkySystem, i});
     senders.weights.push_back(leaves[order[i]].area);
     senders.sky_cells.push_back(cells[order[i]]);
   }
@@ -169,8 +181,7 @@ SenderTree number_senders(const Emitters& emitters, std::uint32_t sky_resolution
   std::vector<std::uint32_t> numbers(cluster_count + 6 * sky_resolution * sky_resolution, kNone);
   const std::vector<bool> seen = seen_senders(numbers.size(), rows, sensor_rows);
   SenderTree senders;
-  for (std::size_t s = 0; s < surfaces.size(); ++s)
-    number_clusters(emitters, rooms, surfaces[s], rows[s], senders, numbers);
+  number_clusters(emitters, rooms, surfaces, rows, senders, numbers);
   number_sky(seen, cluster_count, sky_resolution, senders, numbers);
   for (SystemRows& system : rows) {
     renumber(numbers, system.clusters);

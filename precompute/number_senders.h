@@ -13,15 +13,18 @@
 
 namespace relume {
 
-/// The senders of a model, numbered through: the clusters of all systems, then the sky patches.
+/// The senders of a model in the order of their tree: the clusters of all systems, then the sky patches.
+/// Clusters of one system may lie apart in it; among each other they have the order that the system has.
 struct SenderTree {
-  ClusterTree tree;                      ///< over all of them; no node spans two systems
+  ClusterTree tree;                      ///< over all of them
+  std::vector<SenderRef> places;         ///< per sender: the cluster of a system, or the sky patch
   std::vector<double> weights;           ///< per sender: area (m2), or solid angle
   std::vector<std::uint32_t> sky_cells;  ///< per sky patch: its cell; those that some row sees
 };
 
 /// Gives clusters and sky cells new numbers, in `surfaces` and in all rows. Every cluster tree holds clusters
-/// of one system, one room, and possible emitters or others. Rooms are what light can reach: clusters are in
+/// of one room, and possible emitters or others; above the parts of it that are in one system each, its nodes
+/// span systems. Rooms are what light can reach: clusters are in
 /// one room when a chain of form factors joins them, the sky left aside. So no node lies on two sides of a
 /// wall that seals.
 SenderTree number_senders(const Emitters& emitters, std::uint32_t sky_resolution,

@@ -24,6 +24,7 @@ constexpr double kDefaultClusters = 4000.0;
 constexpr std::uint32_t kSkyResolution = 8;
 constexpr std::uint32_t kMinSensorQuality = 4096;
 constexpr std::uint32_t kMaxQuality = 1u << 20;
+constexpr std::uint32_t kFewestSystemLumels = 64, kMostSystemLumels = 1u << 24;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -41,6 +42,10 @@ Result<void> check_options(const PrecomputeOptions& options) {
   }
   if (options.quality < 8 || options.quality > kMaxQuality) {
     return bad(fmt::format("quality {}: expected 8 to {} rays per lumel", options.quality, kMaxQuality));
+  }
+  if (options.system_lumels < kFewestSystemLumels || options.system_lumels > kMostSystemLumels) {
+    return bad(fmt::format("system lumels {}: expected {} to {} lumels in a system", options.system_lumels,
+                           kFewestSystemLumels, kMostSystemLumels));
   }
   if (!(options.max_albedo > 0.0 && options.max_albedo <= 0.9999)) {
     return bad(fmt::format("max albedo {}: expected above 0 and at most 0.9999", options.max_albedo));
@@ -100,9 +105,9 @@ std::string options_json(const PrecomputeOptions& options, const PrecomputeRepor
                          const RowOptions& rows) {
   constexpr std::array<const char*, 3> kCodecs{"f32", "unorm16", "sqrt8"};
   return fmt::format(
-      R"({{"texel_size":{},"cluster_size":{},"quality":{},"sensor_quality":{},"budget":{},"codec":"{}","max_albedo":{},"seed":{}}})",
+      R"({{"texel_size":{},"cluster_size":{},"quality":{},"sensor_quality":{},"budget":{},"system_lumels":{},"codec":"{}","max_albedo":{},"seed":{}}})",
       report.texel_size, report.cluster_size, rows.quality, rows.sensor_quality, options.budget,
-      kCodecs[std::size_t(options.codec)], options.max_albedo, options.seed);
+      options.system_lumels, kCodecs[std::size_t(options.codec)], options.max_albedo, options.seed);
 }
 
 void add_sensors(const PrecomputeOptions& options, Model& model) {
@@ -125,7 +130,9 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   if (observer && !observer("surfaces", 0.0))
     return fail(ErrorCode::cancelled, "stopped before the surfaces were cut");
   const auto charts = make_charts(scene, geometry, report.texel_size, report.warnings);
-  const auto layouts = lay_out_systems(scene, geometry, charts);
+  const SystemLimits limits{options.system_lumels, report.cluster_size,
+                            options.budget > 0 ? options.budget : options.quality};
+  const auto layouts = lay_out_systems(scene, geometry, charts, *caster, limits, report.warnings);
   if (!layouts) return tl::unexpected(layouts.error());
   if (layouts->empty())
     return fail(ErrorCode::bad_input,

@@ -80,32 +80,58 @@ void visit_tiles(const RowGroup& group, const std::vector<std::uint32_t>& leaves
 /// What senders the nodes of the tree are in the model; nodes that no tile keeps have no place there.
 class NodeReferences {
  public:
-  explicit NodeReferences(const ModelParts& parts)
-      : parts_(parts), references_(parts.senders.tree.nodes.size(), {kUnused, 0}) {}
+  explicit NodeReferences(const SenderTree& senders)
+      : senders_(senders), references_(senders.tree.nodes.size(), {kUnused, 0}) {}
 
-  /// Adds an inner node to the tree of its system, once.
+  /// Adds an inner node to the tree of its system, or to the one above the systems, once.
   void use(std::uint32_t node, Model& model) {
-    const TreeNodeRange& range = parts_.senders.tree.nodes[node];
     SenderRef& reference = references_[node];
     if (reference.system != kUnused) return;
-    const bool sky = range.first >= parts_.cluster_count;
-    std::uint32_t owner = 0;
-    while (!sky && range.first >= parts_.surfaces[owner].first_cluster + parts_.surfaces[owner].cluster_count)
-      ++owner;
-    const std::uint32_t first =
-        range.first - (sky ? parts_.cluster_count : parts_.surfaces[owner].first_cluster);
-    reference = {sky ? kSkySystem : owner, first};
-    if (range.count == 1) return;
-    auto& tree = sky ? model.sky_tree : model.systems[owner].tree;
-    const std::size_t leaves = sky ? parts_.senders.sky_cells.size() : parts_.surfaces[owner].cluster_count;
-    reference.index = std::uint32_t(leaves + tree.size());
-    tree.push_back({first, range.count});
+    reference = in_one_system(node) ? inside(senders_.tree.nodes[node], model) : spanning(node, model);
   }
   const SenderRef& of(std::uint32_t node) const { return references_[node]; }
 
  private:
-  static constexpr std::uint32_t kUnused = 0xfffffffeu;
-  const ModelParts& parts_;
+  bool in_one_system(std::uint32_t node) const {
+    const TreeNodeRange& range = senders_.tree.nodes[node];
+    return senders_.places[range.first].system == senders_.places[range.first + range.count - 1].system;
+  }
+
+  SenderRef inside(const TreeNodeRange& range, Model& model) const {
+    const SenderRef first = senders_.places[range.first];
+    if (range.count == 1) return first;
+    const bool sky = first.system == kSkySystem;
+    auto& tree = sky ? model.sky_tree : model.systems[first.system].tree;
+    const std::size_t leaves = sky ? model.sky_cells.size() : model.systems[first.system].clusters.size();
+    tree.push_back({first.index, range.count});
+    return {first.system, std::uint32_t(leaves + tree.size() - 1)};
+  }
+
+  SenderRef spanning(std::uint32_t node, Model& model) {
+    std::vector<SpannedPart> parts;
+    append_parts(node, model, parts);
+    std::sort(parts.begin(), parts.end(),
+              [](const SpannedPart& a, const SpannedPart& b) { return a.sender.system < b.sender.system; });
+    model.top_tree.push_back({std::uint32_t(model.top_parts.size()), std::uint32_t(parts.size())});
+    model.top_parts.insert(model.top_parts.end(), parts.begin(), parts.end());
+    return {kSpanningNodes, std::uint32_t(model.top_tree.size() - 1)};
+  }
+
+  void append_parts(std::uint32_t node, Model& model, std::vector<SpannedPart>& parts) {
+    const TreeNodeRange& range = senders_.tree.nodes[node];
+    if (!in_one_system(node)) {
+      append_parts(range.left, model, parts);
+      append_parts(range.left + 1, model, parts);
+      return;
+    }
+    use(node, model);
+    double area = 0.0;
+    for (std::uint32_t i = 0; i < range.count; ++i) area += senders_.weights[range.first + i];
+    parts.push_back({references_[node], float(area)});
+  }
+
+  static constexpr std::uint32_t kUnused = 0xfffffffdu;
+  const SenderTree& senders_;
   std::vector<SenderRef> references_;
 };
 
@@ -198,7 +224,7 @@ Result<void> store_matrices(const ModelParts& parts, const PrecomputeOptions& op
                             const std::vector<std::vector<std::uint32_t>>& element_orders, Model& model,
                             PrecomputeReport& report) {
   const std::vector<std::uint32_t> leaves = leaf_nodes(parts.senders);
-  NodeReferences references(parts);
+  NodeReferences references(parts.senders);
   for (std::size_t s = 0; s < model.systems.size(); ++s) {
     SystemRowGroups groups = row_groups(parts, s, element_orders[s]);
     if (options.budget > 0) cut_groups(parts, options, groups);
