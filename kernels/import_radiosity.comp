@@ -3,7 +3,8 @@
 // Brings the radiosity of the senders that a system imports to where its 16-bit columns find it. A leaf is
 // copied; a node is the weighted mean of its leaves, eight invocations to an import, summed like a row
 // (include/row_product.glsl) of weight x radiosity. A node above the systems has a range of leaves in each of
-// them, and each lane goes through one range after the other. What is not loaded is black.
+// them: each lane sums its part of every range, and then these sums, one after the other. What is not loaded is
+// black.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 
@@ -26,17 +27,19 @@ layout(set = kSystemSet, binding = kLocalRadiosityBinding, std430) writeonly res
 
 shared vec4 lane_sums[kWorkgroupSize];
 
-void add_range(inout precise vec3 sum, uvec4 leaves, uint lane) {
+vec3 range_sum(uvec4 leaves, uint lane) {
+  precise vec3 sum = vec3(0.0);
   for (uint leaf = leaves.x + lane; leaf < leaves.x + leaves.y; leaf += kLanes) {
     precise vec3 term = leaf_weights[leaf] * radiosity_in[leaf].rgb;
     sum = sum + term;
   }
+  return sum;
 }
 
 vec3 lane_sum(uvec4 node, uint lane) {
+  if (node.w == 0u) return range_sum(node, lane);
   precise vec3 sum = vec3(0.0);
-  if (node.w == 0u) add_range(sum, node, lane);
-  for (uint k = 0u; k < node.w; ++k) add_range(sum, imports[node.x + k], lane);
+  for (uint k = 0u; k < node.w; ++k) sum = sum + range_sum(imports[node.x + k], lane);
   return sum;
 }
 

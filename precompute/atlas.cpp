@@ -86,7 +86,7 @@ std::map<std::string, std::vector<std::vector<std::uint32_t>>> split_groups(cons
   const auto lumels = [&](const std::vector<std::uint32_t>& group) {
     return std::accumulate(
         group.begin(), group.end(), std::uint64_t{0},
-        [&](std::uint64_t sum, std::uint32_t c) { return sum + padded_lumels(charts[c]); });
+        [&](std::uint64_t sum, std::uint32_t c) { return sum + most_lumels_of(charts[c]); });
   };
   const bool fits = std::all_of(groups.begin(), groups.end(),
                                 [&](const auto& group) { return lumels(group.second) <= limits.lumels; });
@@ -118,19 +118,14 @@ class SystemNames {
 void warn_of_large_charts(const std::vector<Chart>& charts, const SystemLimits& limits,
                           std::vector<std::string>& warnings) {
   const auto large = std::count_if(charts.begin(), charts.end(),
-                                   [&](const Chart& chart) { return padded_lumels(chart) > limits.lumels; });
+                                   [&](const Chart& chart) { return most_lumels_of(chart) > limits.lumels; });
   if (large == 0) return;
   warnings.push_back(
-      fmt::format("{} charts hold more than {} lumels: each is a system of its own, larger than "
-                  "asked for",
+      fmt::format("{} chart(s) of more than {} lumels: each is a system of its own, larger than asked for",
                   large, limits.lumels));
 }
 
 }  // namespace
-
-std::uint64_t padded_lumels(const Chart& chart) {
-  return std::uint64_t(chart.width + 2 * kChartPadding) * (chart.height + 2 * kChartPadding);
-}
 
 Result<std::vector<SystemLayout>> lay_out_systems(const Scene& scene, const Geometry& geometry,
                                                   const std::vector<Chart>& charts, const RayCaster& caster,

@@ -19,9 +19,6 @@ namespace relume {
 /// Empty lumels around every chart, so that bilinear filtering and dilation stay inside it.
 inline constexpr std::uint32_t kChartPadding = 1;
 
-/// Lumels that a chart takes up, padding included.
-std::uint64_t padded_lumels(const Chart& chart);
-
 struct SystemLayout {
   std::string name;
   std::vector<std::uint32_t> charts;    ///< indices, ascending

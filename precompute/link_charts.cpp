@@ -2,12 +2,12 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <glm/common.hpp>
 #include <limits>
 #include <map>
 
-#include "precompute/atlas.h"
 #include "precompute/sampling.h"
 #include "precompute/split_systems.h"
 
@@ -39,20 +39,27 @@ double area_of(const Geometry& geometry, const Chart& chart) {
   return area;
 }
 
-glm::vec3 centre_of(const Geometry& geometry, const Chart& chart) {
-  glm::vec3 lower = geometry.point(chart.triangles[0], 0.0f, 0.0f), upper = lower;
+struct Bounds {
+  glm::vec3 lower, upper;
+};
+
+Bounds bounds_of(const Geometry& geometry, const Chart& chart) {
+  Bounds bounds{geometry.point(chart.triangles[0], 0.0f, 0.0f), {}};
+  bounds.upper = bounds.lower;
   for (const auto t : chart.triangles) {
     for (const auto corner : geometry.triangles[t]) {
-      lower = glm::min(lower, geometry.positions[corner]);
-      upper = glm::max(upper, geometry.positions[corner]);
+      bounds.lower = glm::min(bounds.lower, geometry.positions[corner]);
+      bounds.upper = glm::max(bounds.upper, geometry.positions[corner]);
     }
   }
-  return 0.5f * (lower + upper);
+  return bounds;
 }
 
 /// The same place has the same key.
-std::uint64_t key_of(const glm::vec3& centre, Side side) {
-  std::uint64_t key = std::uint64_t(side);
+std::uint64_t key_of(const Geometry& geometry, const Chart& chart) {
+  const Bounds bounds = bounds_of(geometry, chart);
+  const glm::vec3 centre = 0.5f * (bounds.lower + bounds.upper);
+  std::uint64_t key = std::uint64_t(chart.side);
   for (int k = 0; k < 3; ++k) {
     std::uint32_t bits = 0;
     std::memcpy(&bits, &centre[k], sizeof bits);
@@ -65,10 +72,7 @@ std::uint64_t key_of(const glm::vec3& centre, Side side) {
 class ChartRays {
  public:
   ChartRays(const Geometry& geometry, const Chart& chart, const SobolPoints& points)
-      : geometry_(geometry),
-        chart_(chart),
-        points_(points),
-        key_(key_of(centre_of(geometry, chart), chart.side)) {
+      : geometry_(geometry), chart_(chart), points_(points), key_(key_of(geometry, chart)) {
     double sum = 0.0;
     for (const auto t : chart.triangles) area_up_to_.push_back(sum += geometry.areas[t]);
   }
@@ -132,6 +136,14 @@ HitCounts count_hits(const Geometry& geometry, const ChartOfTriangle& charts, co
 
 }  // namespace
 
+std::uint64_t most_lumels_of(const Chart& chart) {
+  double area = 0.0;
+  for (const auto& [a, b, c] : chart.corners)
+    area += 0.5 * std::abs((b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y));
+  const std::uint64_t outline = 2 * (std::uint64_t{chart.width} + chart.height);
+  return std::min(std::uint64_t{chart.width} * chart.height, std::uint64_t(area) + outline);
+}
+
 std::vector<ChartLink> link_charts(const Geometry& geometry, const std::vector<Chart>& charts,
                                    const RayCaster& caster) {
   const ChartOfTriangle chart_of(geometry.triangles.size(), charts);
@@ -169,10 +181,11 @@ std::vector<ChartCost> chart_costs(const Geometry& geometry, const std::vector<C
   }
   std::vector<ChartCost> costs;
   for (std::size_t c = 0; c < charts.size(); ++c) {
-    const std::uint64_t lumels = padded_lumels(charts[c]);
+    const Bounds bounds = bounds_of(geometry, charts[c]);
+    const std::uint64_t lumels = most_lumels_of(charts[c]);
     const double rows = double(lumels) + clusters[c];
     costs.push_back(
-        {centre_of(geometry, charts[c]), lumels, rows * std::min<double>(seen[c], limits.row_entries)});
+        {bounds.lower, bounds.upper, lumels, rows * std::min<double>(seen[c], limits.row_entries)});
   }
   return costs;
 }

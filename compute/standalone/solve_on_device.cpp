@@ -56,15 +56,18 @@ std::uint32_t longest_row(const Model& model) {
   return longest;
 }
 
-/// Terms that a lane adds up for the mean of the largest node that is imported; 0: all senders are leaves.
+/// Additions on the way of one term into the mean of the largest node that is imported, as a lane makes them;
+/// 0: all senders are leaves.
 std::uint32_t longest_mean(const Model& model) {
   const LeafNumbers numbers(model);
   std::uint32_t longest = 0;
   for (const System& system : model.systems) {
     for (const SenderRef& sender : system.imports) {
       const SenderLeaves leaves = numbers.leaves_of(sender);
-      std::uint32_t terms = 0;
-      for (const LeafRange& range : leaves.ranges) terms += (range.count + 7) / 8;
+      std::uint32_t terms = sender.system == kSpanningNodes ? std::uint32_t(leaves.ranges.size()) : 0;
+      std::uint32_t of_range = 0;
+      for (const LeafRange& range : leaves.ranges) of_range = std::max(of_range, (range.count + 7) / 8);
+      terms += of_range;
       const bool leaf =
           leaves.ranges.size() == 1 && leaves.ranges[0].count == 1 && leaves.missing_area == 0.0;
       if (!leaf) longest = std::max(longest, terms);

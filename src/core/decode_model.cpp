@@ -288,7 +288,12 @@ Result<Model> assemble(const std::vector<Section>& sections, const std::vector<b
   }
   for (std::size_t index = 0; index < systems; ++index) {
     System& system = model.systems[index];
-    system.loaded = chosen.empty() || chosen[index];
+    if (!chosen.empty() && !chosen[index]) {
+      const std::string system_name = system.name;
+      system = {};
+      system.name = system_name;
+      system.loaded = false;
+    }
     system.bounce.columns = static_cast<std::uint32_t>(system.imports.size());
     system.gather.columns = system.bounce.columns;
   }

@@ -136,7 +136,7 @@ static_assert(sizeof(SpannedPart) == 12);
 /// A group of geometry that is precomputed, stored, loaded and updated as one.
 struct System {
   std::string name;
-  bool loaded = true;                 ///< false: only name and lightmap size are known, all else is empty (read_systems)
+  bool loaded = true;                 ///< false: all but the name is empty (read_systems)
   std::uint32_t lightmap_width = 0;   ///< lumels
   std::uint32_t lightmap_height = 0;
   std::vector<Cluster> clusters;          ///< rows of `bounce`

@@ -41,6 +41,7 @@ Result<int> run(const InfoArguments& arguments, Console& console) {
                           model->provenance.scene_file, model->provenance.tool,
                           model->provenance.ray_tracer));
   for (const std::string& line : summary_lines(summary)) console.say("  " + line);
+  for (const std::string& line : system_lines(*model)) console.say("  " + line);
   console.say(fmt::format(
       "  {}, {}, {}{}", counted(model->materials.size(), "material"), counted(model->nodes.size(), "node"),
       counted(model->lights.size(), "punctual light"), model->lit_by_rig ? " (the stated rig)" : ""));

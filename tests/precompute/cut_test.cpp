@@ -55,6 +55,26 @@ TEST(ClusterTree, NoNodeMixesGroups) {
   for (const auto root : tree.roots) EXPECT_EQ(tree.nodes[root].count, 2u);
 }
 
+TEST(ClusterTree, AboveThePartsNodesHoldWholeParts) {
+  // Part 1 lies at both ends of part 0 by its leaves, but right of it by its middle. Part 2 is far out.
+  std::vector<TreeLeaf> leaves{leaf_at(2, 0), leaf_at(1, 0), leaf_at(0, 0), leaf_at(6, 0), leaf_at(30, 0)};
+  leaves[2].part = leaves[3].part = 1;
+  leaves[4].part = 2;
+  const auto order = tree_order(leaves);
+  EXPECT_EQ(order, (std::vector<std::uint32_t>{1, 0, 2, 3, 4}));
+  std::vector<TreeLeaf> ordered;
+  for (const auto i : order) ordered.push_back(leaves[i]);
+  ClusterTree tree;
+  append_tree(ordered, 0, tree);
+  ASSERT_EQ(tree.roots.size(), 1u);
+  // After part 0 lie 2 m2 of 5, after part 1 more than half.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> inner;
+  for (const TreeNodeRange& node : tree.nodes) {
+    if (node.count > 1) inner.emplace_back(node.first, node.count);
+  }
+  EXPECT_EQ(inner, (std::vector<std::pair<std::uint32_t, std::uint32_t>>{{0, 5}, {0, 4}, {0, 2}, {2, 2}}));
+}
+
 TEST(Cut, RefinesWhereTheRowSeesAPartAndKeepsWhatItSeesEvenly) {
   const ClusterTree tree = tree_of_eight();
   // The left half evenly; of the right half, one leaf.
