@@ -20,6 +20,7 @@ struct ModelParts {
   const std::vector<std::vector<bool>>& own_elements;  ///< per system and element
   const std::vector<SystemRows>& rows;
   const std::vector<FormFactorRow>& sensor_rows;
+  const std::vector<std::uint32_t>& sensor_systems;  ///< per sensor: the one that it belongs to
   const Emitters& emitters;
   const SenderTree& senders;
   std::uint32_t cluster_count = 0;

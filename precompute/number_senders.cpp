@@ -191,4 +191,18 @@ SenderTree number_senders(const Emitters& emitters, std::uint32_t sky_resolution
   return senders;
 }
 
+std::vector<std::uint32_t> systems_of_sensors(const SenderTree& senders, std::size_t systems,
+                                              const std::vector<FormFactorRow>& sensor_rows) {
+  std::vector<std::uint32_t> result;
+  for (const FormFactorRow& row : sensor_rows) {
+    std::vector<double> seen(systems, 0.0);
+    for (std::size_t i = 0; i < row.senders.size(); ++i) {
+      const SenderRef& place = senders.places[row.senders[i]];
+      if (place.system != kSkySystem) seen[place.system] += row.values[i];
+    }
+    result.push_back(std::uint32_t(std::max_element(seen.begin(), seen.end()) - seen.begin()));
+  }
+  return result;
+}
+
 }  // namespace relume

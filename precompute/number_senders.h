@@ -31,4 +31,8 @@ SenderTree number_senders(const Emitters& emitters, std::uint32_t sky_resolution
                           std::vector<ClusteredSurface>& surfaces, std::vector<SystemRows>& rows,
                           std::vector<FormFactorRow>& sensor_rows);
 
+/// Per sensor: the system that its row sees most of, so that it is loaded with it; 0 for one that sees none.
+std::vector<std::uint32_t> systems_of_sensors(const SenderTree& senders, std::size_t systems,
+                                              const std::vector<FormFactorRow>& sensor_rows);
+
 }  // namespace relume

@@ -110,10 +110,11 @@ std::string options_json(const PrecomputeOptions& options, const PrecomputeRepor
       options.system_lumels, kCodecs[std::size_t(options.codec)], options.max_albedo, options.seed);
 }
 
-void add_sensors(const PrecomputeOptions& options, Model& model) {
-  for (const SensorPoint& sensor : options.sensors) {
-    model.systems[0].sensors.push_back({sensor.position, glm::vec3(glm::normalize(sensor.normal)),
-                                        std::uint32_t(model.sensor_names.size())});
+void add_sensors(const PrecomputeOptions& options, const std::vector<std::uint32_t>& systems, Model& model) {
+  for (std::uint32_t i = 0; i < options.sensors.size(); ++i) {
+    const SensorPoint& sensor = options.sensors[i];
+    model.systems[systems[i]].sensors.push_back(
+        {sensor.position, glm::vec3(glm::normalize(sensor.normal)), i});
     model.sensor_names.push_back(sensor.name);
   }
 }
@@ -171,12 +172,13 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   if (observer && !observer("rows", 0.0))
     return fail(ErrorCode::cancelled, "stopped before rows were stored");
   const SenderTree senders = number_senders(emitters, kSkyResolution, surfaces, rows, *sensor_rows);
-  const ModelParts parts{scene, geometry,     charts,   *layouts, surfaces,      own,
-                         rows,  *sensor_rows, emitters, senders,  cluster_count, kSkyResolution};
+  const auto sensor_systems = systems_of_sensors(senders, surfaces.size(), *sensor_rows);
+  const ModelParts parts{scene,        geometry,       charts,   *layouts, surfaces,      own,           rows,
+                         *sensor_rows, sensor_systems, emitters, senders,  cluster_count, kSkyResolution};
   auto model = assemble_model(parts, options, report);
   report.seconds_rows = seconds_since(rows_start);
   if (!model) return model;
-  add_sensors(options, *model);
+  add_sensors(options, sensor_systems, *model);
   light_model(scene, geometry, *caster, *model, report.warnings);
   if (!scene.cameras.empty()) model->camera = scene.cameras.front();
   model->provenance = {scene.file_name, "relume 0.1.0", caster->description(),

@@ -16,8 +16,8 @@ constexpr double kLeastShare = 0.2;
 constexpr double kNoFlux = 0.01;
 constexpr int kRefinements = 4;
 
-/// A part below this share of what a system may hold looks for one to join.
-constexpr double kSmallShare = 0.25;
+/// A part below this share of what a system may hold looks for one to join: two below half fit together.
+constexpr double kSmallShare = 0.5;
 
 /// Where a chart lies along a direction.
 struct Extent {

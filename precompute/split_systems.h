@@ -48,8 +48,8 @@ std::vector<ChartCost> chart_costs(const Geometry& geometry, const std::vector<C
 /// Halves `group` (indices of charts) until no part has more than `most_lumels`; a chart that has as many is
 /// a part of its own. A cut is a plane across one of nine directions, each side with a fifth of the cost at
 /// least, where least flux crosses for the balance that it gives: so at walls and doors before the middle of
-/// a room. A chart on both sides of the plane goes where it sees more. At the end small parts join those that
-/// they see best, where there is room. Ascending within each part.
+/// a room. A chart on both sides of the plane goes where it sees more. At the end parts below half of
+/// `most_lumels` join those that they see best, where there is room. Ascending within each part.
 std::vector<std::vector<std::uint32_t>> split_charts(const std::vector<ChartCost>& costs,
                                                      const std::vector<ChartLink>& links,
                                                      const std::vector<std::uint32_t>& group,

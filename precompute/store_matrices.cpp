@@ -8,6 +8,7 @@
 #include <functional>
 #include <tuple>
 
+#include "precompute/coarsen_imports.h"
 #include "precompute/cut_rows.h"
 
 namespace relume {
@@ -34,9 +35,8 @@ SystemRowGroups row_groups(const ModelParts& parts, std::size_t s, const std::ve
   for (const auto e : order) {
     if (parts.own_elements[s][e]) groups.lumels.rows.push_back(&parts.rows[s].elements[e]);
   }
-  // Sensors go to the first system: only there are their rows needed.
-  if (s == 0) {
-    for (const FormFactorRow& row : parts.sensor_rows) groups.sensors.rows.push_back(&row);
+  for (std::size_t i = 0; i < parts.sensor_rows.size(); ++i) {
+    if (parts.sensor_systems[i] == s) groups.sensors.rows.push_back(&parts.sensor_rows[i]);
   }
   return groups;
 }
@@ -142,6 +142,34 @@ class ImportTable {
   void use(const CutTile& tile) {
     for (const auto node : tile.nodes) column_[node] = 0;
   }
+  std::size_t count() const {
+    return column_.size() - std::size_t(std::count(column_.begin(), column_.end(), kNone));
+  }
+  /// From now on coarser nodes stand for those that were used.
+  void coarsen(CoarserImports coarser) {
+    std::vector<std::uint32_t> columns(column_.size(), kNone);
+    for (std::uint32_t n = 0; n < column_.size(); ++n) {
+      if (column_[n] != kNone) columns[coarser.node[n]] = 0;
+    }
+    column_ = std::move(columns);
+    stands_for_ = std::move(coarser.node);
+  }
+  /// The tile with the nodes that are left, values added up.
+  CutTile coarsened(const CutTile& tile) const {
+    CutTile result;
+    result.values.resize(tile.values.size());
+    for (std::size_t i = 0; i < tile.nodes.size(); ++i) {
+      const std::uint32_t node = stands_for_[tile.nodes[i]];
+      const bool same = !result.nodes.empty() && result.nodes.back() == node;
+      if (!same) result.nodes.push_back(node);
+      for (std::size_t r = 0; r < tile.values.size(); ++r) {
+        if (!same) result.values[r].push_back(0.0f);
+        result.values[r].back() += tile.values[r][i];
+      }
+    }
+    return result;
+  }
+  bool is_coarsened() const { return !stands_for_.empty(); }
   /// Imports in the order of the senders, so that columns ascend in every tile.
   std::vector<SenderRef> finish(const ClusterTree& tree, NodeReferences& references, Model& model) {
     std::vector<std::uint32_t> used;
@@ -168,9 +196,12 @@ class ImportTable {
 
  private:
   std::vector<std::uint32_t> column_;
+  std::vector<std::uint32_t> stands_for_;  ///< per node, empty: each for itself
 };
 
-void append(const ImportTable& imports, const CutTile& tile, bool shared, BlockMatrixBuilder& matrix) {
+void append(const ImportTable& imports, const CutTile& given, bool shared, BlockMatrixBuilder& matrix) {
+  const CutTile coarser = imports.is_coarsened() ? imports.coarsened(given) : CutTile{};
+  const CutTile& tile = imports.is_coarsened() ? coarser : given;
   std::vector<double> values;
   for (const auto& row : tile.values) values.insert(values.end(), row.begin(), row.end());
   if (shared) {
@@ -186,12 +217,37 @@ double mean_spread(const RowGroup& group) {
   return group.tiles.empty() ? 0.0 : sum / double(group.tiles.size());
 }
 
+/// Joins what the rows of the system see least until its columns can name the rest.
+void coarsen(const ModelParts& parts, const SystemRowGroups& groups, const std::vector<std::uint32_t>& leaves,
+             const std::string& name, ImportTable& imports, PrecomputeReport& report) {
+  std::vector<double> weight(parts.senders.tree.nodes.size(), -1.0);
+  const auto add = [&](const CutTile& tile) {
+    for (std::size_t i = 0; i < tile.nodes.size(); ++i) {
+      double& sum = weight[tile.nodes[i]];
+      sum = std::max(sum, 0.0);
+      for (const auto& row : tile.values) sum += row[i];
+    }
+  };
+  for (const RowGroup* group : {&groups.clusters, &groups.lumels, &groups.sensors})
+    visit_tiles(*group, leaves, add);
+  const std::size_t before = imports.count();
+  CoarserImports coarser = coarsen_imports(parts.senders.tree, weight, kMaxImports);
+  report.warnings.push_back(
+      fmt::format("system {} sees {} senders, more than the {} that its columns can name: those that it sees "
+                  "least, {:.2g} % of "
+                  "its form factors, were joined to nodes of the cluster trees",
+                  name, before, kMaxImports, 100.0 * coarser.coarsened_share));
+  imports.coarsen(std::move(coarser));
+}
+
 Result<void> store_system(const ModelParts& parts, const PrecomputeOptions& options,
                           const SystemRowGroups& groups, const std::vector<std::uint32_t>& leaves,
-                          NodeReferences& references, System& system, Model& model) {
+                          NodeReferences& references, System& system, Model& model,
+                          PrecomputeReport& report) {
   ImportTable imports(parts.senders.tree.nodes.size());
   for (const RowGroup* group : {&groups.clusters, &groups.lumels, &groups.sensors})
     visit_tiles(*group, leaves, [&](const CutTile& tile) { imports.use(tile); });
+  if (imports.count() > kMaxImports) coarsen(parts, groups, leaves, system.name, imports, report);
   system.imports = imports.finish(parts.senders.tree, references, model);
   if (system.imports.size() > kMaxImports) {
     return fail(ErrorCode::usage,
@@ -228,7 +284,8 @@ Result<void> store_matrices(const ModelParts& parts, const PrecomputeOptions& op
   for (std::size_t s = 0; s < model.systems.size(); ++s) {
     SystemRowGroups groups = row_groups(parts, s, element_orders[s]);
     if (options.budget > 0) cut_groups(parts, options, groups);
-    if (auto stored = store_system(parts, options, groups, leaves, references, model.systems[s], model);
+    if (auto stored =
+            store_system(parts, options, groups, leaves, references, model.systems[s], model, report);
         !stored)
       return stored;
     report.cut_spread = std::max(report.cut_spread, mean_spread(groups.lumels));

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -102,6 +103,33 @@ TEST(SpanningNodes, BrokenPromisesAreRefused) {
     ASSERT_FALSE(checked) << breakage.part;
     EXPECT_NE(checked.error().message.find(breakage.part), std::string::npos) << checked.error().message;
   }
+}
+
+TEST(SpanningNodes, WhateverPassesTheChecksIsSafeToUse) {
+  const std::vector<std::byte> bytes = encode_model(spanning_model());
+  const std::vector<Section> sections = read_sections(bytes, "spanning").value();
+  int accepted = 0, refused = 0;
+  for (const std::string changed : {"TOPN", "TOPP", "IMPT"}) {
+    for (std::size_t word = 0; word < 6; ++word) {
+      for (const std::uint32_t value :
+           {0u, 1u, 2u, 0x7fffffffu, 0xfffffffeu, 0xffffffffu, 0x3f800000u, 0x7f800000u}) {
+        SectionWriter file;
+        for (const Section& section : sections) {
+          const std::string id(section.record.id.begin(), section.record.id.end());
+          std::vector<std::byte> content(section.bytes.begin(), section.bytes.end());
+          if (id == changed && 4 * word < content.size()) std::memcpy(&content[4 * word], &value, 4);
+          file.add(id, section.record.owner, content);
+        }
+        const auto read = decode_model(std::move(file).finish(), "changed");
+        ++(read ? accepted : refused);
+        if (!read) continue;
+        for (const double b : missing_share(*read).clusters) EXPECT_EQ(b, 0.0);
+        EXPECT_TRUE(solve_reference(reference_matrices(*read).bounce, stored_lighting(*read), {3, 0.0}));
+      }
+    }
+  }
+  EXPECT_GT(accepted, 10) << "some words stay as they are";
+  EXPECT_GT(refused, 60);
 }
 
 TEST(SystemsNotLoaded, AreBlackAndTheirAreaStillCounts) {
