@@ -36,7 +36,7 @@ struct PrecomputeOptions {
   std::uint32_t sensor_quality = 0;  ///< rays per sensor, 0 = 16 x quality, at least 4096
   std::uint32_t budget = 0;  ///< nodes that a tile of 8 neighbouring rows keeps (a tile that sees more trees
                              ///< keeps one each), four times as many for a sensor; 0: full rows
-  std::uint32_t system_lumels = 1u << 18;  ///< of a system: larger ones are split where little light crosses;
+  std::uint32_t system_lumels = 1u << 16;  ///< of a system: larger ones are split where little light crosses;
                                            ///< 64 to 2^24
   ValueCodec codec = ValueCodec::f32;
   double max_albedo = 0.95;  ///< above 0, at most 0.9999

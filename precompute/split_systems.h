@@ -14,7 +14,7 @@ namespace relume {
 
 /// How large systems grow, and what their rows are expected to cost.
 struct SystemLimits {
-  std::uint64_t lumels = std::uint64_t{1} << 18;  ///< of a system
+  std::uint64_t lumels = std::uint64_t{1} << 16;  ///< of a system
   double cluster_size = 1.0;                      ///< m
   std::uint32_t row_entries = 512;                ///< a row keeps no more
 };

@@ -193,7 +193,7 @@ class Parser {
     add_number(command, "--budget", options.budget, kCountOrZero,
                "Nodes of the cluster trees that 8 neighbouring rows keep (default 0: full rows)");
     add_number(command, "--system-lumels", options.system_lumels, kCount,
-               "Systems of more lumels are split where little light crosses (default 262144)");
+               "Systems of more lumels are split where little light crosses (default 65536)");
     add_number(command, "--max-albedo", options.max_albedo, kAlbedo,
                "Albedos above are clamped (default 0.95)");
     add_number(command, "--threads", options.threads, kCount, "Default: all");

@@ -19,11 +19,11 @@
 namespace relume {
 namespace {
 
-BlockMatrix one_row(const std::vector<double>& values) {
-  BlockMatrixBuilder builder(std::uint32_t(values.size()), ValueCodec::f32);
-  std::vector<std::uint16_t> columns;
-  for (std::uint16_t c = 0; c < values.size(); ++c) columns.push_back(c);
-  builder.append_row(columns, values);
+/// A matrix of one column.
+BlockMatrix column(const std::vector<double>& values) {
+  BlockMatrixBuilder builder(1, ValueCodec::f32);
+  for (const double value : values)
+    builder.append_row(std::vector<std::uint16_t>{0}, std::vector<double>{value});
   return std::move(builder).finish();
 }
 
@@ -177,8 +177,9 @@ TEST(MissingLight, IsZeroWhenAllIsLoaded) {
 TEST(MissingLight, IsExactWhenTheAssumptionIs) {
   Model model = spanning_model();
   model.systems[0].imports = {{1, 0}};
-  model.systems[0].bounce = one_row({0.5});
-  model.systems[1].bounce = one_row({0.5});
+  model.systems[0].bounce = model.systems[1].bounce = column({0.5});
+  model.systems[0].gather = column({0.5, 0.25});
+  ASSERT_TRUE(check_model(model)) << check_model(model).error().message;
   Lighting both = test::uniform_lighting(2, Rgb(0.5), Rgb(0.0));
   both.exitance[0] = Rgb(100.0);
   both.albedo[1] = Rgb(0.8);
