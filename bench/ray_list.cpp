@@ -34,7 +34,7 @@ Result<RayList> rays_of_precompute(const Scene& scene, const Geometry& geometry,
   if (!caster) return tl::unexpected(caster.error());
   std::vector<std::string> warnings;
   const auto charts = make_charts(scene, geometry, options.texel_size, warnings);
-  const auto layouts = lay_out_systems(scene, geometry, charts);
+  const auto layouts = lay_out_systems(scene, geometry, charts, *caster, {}, warnings);
   if (!layouts) return tl::unexpected(layouts.error());
   const auto texels = texel_sizes(scene, options.texel_size);
   const SobolPoints points(options.quality, order_of_rays == RayOrder::grouped ? options.quality : 0);

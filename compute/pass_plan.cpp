@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/sender_leaves.h"
 #include "kernels/shared/limits.h"
 
 namespace relume {
@@ -42,13 +43,15 @@ void append_block(Pass& pass, const MatrixBlock& block, DispatchStep step, RowKe
 }
 
 void append_imports(Pass& pass, const Model& model, const SolverLayout& layout) {
+  const LeafNumbers numbers(model);
   for (std::uint32_t system = 0; system < layout.systems.size(); ++system) {
     DispatchStep step;
     step.system = system;
     step.range.count = layout.systems[system].imports;
     step.workgroups = (step.range.count + kernels::kRowsPerWorkgroup - 1) / kernels::kRowsPerWorkgroup;
-    for (const SenderRef& sender : model.systems[system].imports)
-      step.cost += leaf_range(model, layout, sender).count;
+    for (const SenderRef& sender : model.systems[system].imports) {
+      for (const LeafRange& range : numbers.leaves_of(sender).ranges) step.cost += range.count;
+    }
     if (step.workgroups > 0) pass.push_back(step);
   }
 }

@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include "core/sky.h"
+#include "core/sender_leaves.h"
 #include "kernels/shared/glsl_types.h"
 
 namespace relume {
@@ -48,35 +48,41 @@ std::vector<std::byte> device_bytes(const std::vector<Rgb>& values) {
   return owned_bytes(converted);
 }
 
-/// What each leaf counts for in the mean of a node.
-std::vector<double> leaf_weights(const Model& model) {
-  std::vector<double> weights;
-  for (const System& system : model.systems) {
-    for (const Cluster& cluster : system.clusters) weights.push_back(cluster.area);
-  }
-  for (const std::uint32_t cell : model.sky_cells)
-    weights.push_back(sky_cell_solid_angle(cell, model.sky_resolution));
-  return weights;
+kernels::uvec4 range_record(const LeafRange& range) {
+  return {range.first, range.count, 0, 0};
 }
 
-kernels::uvec4 import_record(const LeafRange& leaves, const std::vector<double>& weights) {
-  double sum = 0.0;
-  for (std::uint32_t i = 0; i < leaves.count; ++i) sum += weights[leaves.first + i];
-  return {leaves.first, leaves.count, std::bit_cast<kernels::uint>(static_cast<float>(1.0 / sum)), 0};
+/// A record per import, then the ranges of nodes above the systems (kernels/shared/bindings.h).
+std::vector<kernels::uvec4> import_records(const System& system, const LeafNumbers& numbers) {
+  std::vector<kernels::uvec4> records, ranges;
+  for (const SenderRef& sender : system.imports) {
+    const SenderLeaves leaves = numbers.leaves_of(sender);
+    kernels::uvec4 record{0, 0, 0, 0};
+    if (sender.system == kSpanningNodes) {
+      record.x = static_cast<kernels::uint>(system.imports.size() + ranges.size());
+      record.w = static_cast<kernels::uint>(leaves.ranges.size());
+      for (const LeafRange& range : leaves.ranges) ranges.push_back(range_record(range));
+    } else if (!leaves.ranges.empty()) {
+      record = range_record(leaves.ranges.front());
+    }
+    const double weight = numbers.weight_of(leaves);
+    record.z = std::bit_cast<kernels::uint>(weight > 0.0 ? static_cast<float>(1.0 / weight) : 0.0f);
+    records.push_back(record);
+  }
+  records.insert(records.end(), ranges.begin(), ranges.end());
+  return records;
 }
 
 }  // namespace
 
 UploadData model_upload(const Model& model, const SolverLayout& layout) {
   UploadData data;
-  const std::vector<double> weights = leaf_weights(model);
+  const LeafNumbers numbers(model);
+  const std::vector<double>& weights = numbers.weights();
   data.add_owned(kLeafWeights, 0, owned_bytes(std::vector<float>(weights.begin(), weights.end())));
   for (std::size_t i = 0; i < model.systems.size(); ++i) {
     const System& system = model.systems[i];
-    std::vector<kernels::uvec4> imports;
-    for (const SenderRef& sender : system.imports)
-      imports.push_back(import_record(leaf_range(model, layout, sender), weights));
-    data.add_owned(layout.systems[i].imports_buffer, 0, owned_bytes(imports));
+    data.add_owned(layout.systems[i].imports_buffer, 0, owned_bytes(import_records(system, numbers)));
     add_blocks(data, system.bounce, layout.systems[i].bounce);
     add_blocks(data, system.gather, layout.systems[i].gather);
   }

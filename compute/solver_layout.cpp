@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/sender_leaves.h"
 #include "kernels/shared/records.h"
 
 namespace relume {
@@ -62,12 +63,17 @@ std::vector<BlockLayout> matrix_layout(const BlockMatrix& matrix, const std::str
   return blocks;
 }
 
-SystemLayout system_layout(const System& system, const std::string& name, VkDeviceSize alignment,
-                           BufferList& buffers) {
+SystemLayout system_layout(const System& system, const LeafNumbers& numbers, const std::string& name,
+                           VkDeviceSize alignment, BufferList& buffers) {
   SystemLayout layout;
   layout.imports = static_cast<std::uint32_t>(system.imports.size());
+  for (const SenderRef& sender : system.imports) {
+    if (sender.system == kSpanningNodes)
+      layout.import_ranges += static_cast<std::uint32_t>(numbers.leaves_of(sender).ranges.size());
+  }
+  const VkDeviceSize records = VkDeviceSize{layout.imports} + layout.import_ranges;
   layout.gather_rows = system.gather.rows;
-  layout.imports_buffer = buffers.add(name + " imports", layout.imports * sizeof(kernels::uvec4));
+  layout.imports_buffer = buffers.add(name + " imports", records * sizeof(kernels::uvec4));
   layout.local_radiosity_buffer = buffers.add(name + " local radiosity", layout.imports * kRgbBytes);
   layout.irradiance_buffer = buffers.add(name + " irradiance", layout.gather_rows * kRgbBytes);
   layout.bounce = matrix_layout(system.bounce, name + " bounce", alignment, buffers);
@@ -107,12 +113,13 @@ Result<SolverLayout> solver_layout(const Model& model, const LayoutLimits& limit
   layout.sky_patches = static_cast<std::uint32_t>(model.sky_cells.size());
   const std::vector<std::uint32_t> first_clusters = cluster_offsets(model);
   layout.clusters = first_clusters.back();
+  const LeafNumbers numbers(model);
   BufferList buffers(layout.buffers, limits.alignment);
   add_solve_buffers(layout, buffers);
   for (const System& system : model.systems) {
     const std::size_t index = layout.systems.size();
     layout.systems.push_back(
-        system_layout(system, "system " + std::to_string(index), limits.alignment, buffers));
+        system_layout(system, numbers, "system " + std::to_string(index), limits.alignment, buffers));
     layout.systems.back().first_cluster = first_clusters[index];
   }
   if (auto checked = check_sizes(layout, limits.max_range); !checked) {
@@ -132,15 +139,6 @@ VkDeviceSize largest_texel_buffer(const SolverLayout& layout) {
     }
   }
   return bytes / sizeof(std::uint32_t);
-}
-
-LeafRange leaf_range(const Model& model, const SolverLayout& layout, const SenderRef& sender) {
-  const bool sky = sender.system == kSkySystem;
-  const std::uint32_t first = sky ? layout.clusters : layout.systems[sender.system].first_cluster;
-  const std::size_t leaves = sky ? model.sky_cells.size() : model.systems[sender.system].clusters.size();
-  if (sender.index < leaves) return {first + sender.index, 1};
-  const TreeNode& node = (sky ? model.sky_tree : model.systems[sender.system].tree)[sender.index - leaves];
-  return {first + node.first, node.count};
 }
 
 }  // namespace relume

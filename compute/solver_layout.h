@@ -53,6 +53,7 @@ struct BlockLayout {
 struct SystemLayout {
   std::uint32_t first_cluster = 0;  ///< among the clusters of all systems
   std::uint32_t imports = 0;
+  std::uint32_t import_ranges = 0;  ///< records after those of the imports: ranges of nodes above the systems
   std::uint32_t gather_rows = 0;
   std::uint32_t imports_buffer = 0;
   std::uint32_t local_radiosity_buffer = 0;
@@ -76,15 +77,5 @@ Result<SolverLayout> solver_layout(const Model& model, const LayoutLimits& limit
 
 /// Elements of the largest texel buffer of a block.
 VkDeviceSize largest_texel_buffer(const SolverLayout& layout);
-
-/// Leaves are numbered through: the clusters of all systems, then the sky patches.
-struct LeafRange {
-  std::uint32_t first = 0;
-  std::uint32_t count = 1;
-  friend bool operator==(const LeafRange&, const LeafRange&) = default;
-};
-
-/// The leaves of a sender on the device: one, or those of a node.
-LeafRange leaf_range(const Model& model, const SolverLayout& layout, const SenderRef& sender);
 
 }  // namespace relume

@@ -2,7 +2,9 @@
 //
 // Brings the radiosity of the senders that a system imports to where its 16-bit columns find it. A leaf is
 // copied; a node is the weighted mean of its leaves, eight invocations to an import, summed like a row
-// (include/row_product.glsl) of weight x radiosity.
+// (include/row_product.glsl) of weight x radiosity. A node above the systems has a range of leaves in each of
+// them: each lane sums its part of every range, and then these sums, one after the other. What is not loaded is
+// black.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 
@@ -25,12 +27,19 @@ layout(set = kSystemSet, binding = kLocalRadiosityBinding, std430) writeonly res
 
 shared vec4 lane_sums[kWorkgroupSize];
 
-vec3 lane_sum(uvec4 node, uint lane) {
+vec3 range_sum(uvec4 leaves, uint lane) {
   precise vec3 sum = vec3(0.0);
-  for (uint leaf = node.x + lane; leaf < node.x + node.y; leaf += kLanes) {
+  for (uint leaf = leaves.x + lane; leaf < leaves.x + leaves.y; leaf += kLanes) {
     precise vec3 term = leaf_weights[leaf] * radiosity_in[leaf].rgb;
     sum = sum + term;
   }
+  return sum;
+}
+
+vec3 lane_sum(uvec4 node, uint lane) {
+  if (node.w == 0u) return range_sum(node, lane);
+  precise vec3 sum = vec3(0.0);
+  for (uint k = 0u; k < node.w; ++k) sum = sum + range_sum(imports[node.x + k], lane);
   return sum;
 }
 
@@ -41,7 +50,7 @@ void main() {
   const bool inside = index < range.count;
   const uvec4 import_record = inside ? imports[index] : uvec4(0u);
 
-  const bool node = import_record.y > 1u;
+  const bool node = import_record.y != 1u;
   lane_sums[gl_LocalInvocationIndex] = vec4(node ? lane_sum(import_record, lane) : vec3(0.0), 0.0);
   memoryBarrierShared();
   barrier();

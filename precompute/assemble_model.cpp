@@ -199,7 +199,8 @@ Result<Model> assemble_model(const ModelParts& parts, ValueCodec codec, double m
     store_charts(parts, parts.layouts[s], system);
     model.systems.push_back(std::move(system));
   }
-  if (auto stored = store_matrices(parts, codec, model); !stored) return tl::unexpected(stored.error());
+  if (auto stored = store_matrices(parts, codec, model, report); !stored)
+    return tl::unexpected(stored.error());
   drop_unseen_sky(model);
   std::vector<bool> emits(parts.scene.materials.size(), false);
   for (const Emitter& e : parts.emitters.list) emits[e.material] = true;

@@ -21,6 +21,7 @@ struct ModelParts {
   const std::vector<std::vector<bool>>& own_elements;  ///< per system and element
   const std::vector<SystemRows>& rows;
   const SensorRows& sensors;
+  const std::vector<std::uint32_t>& sensor_systems;               ///< per sensor: the one that it belongs to
   const std::vector<std::vector<std::uint32_t>>& element_orders;  ///< per system: as the model stores them
   const std::vector<SystemTiles>& tiles;  ///< per system; empty: rows are full, each a tile of its leaves
   const Emitters& emitters;

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
 #include <map>
+#include <numeric>
 
 #define STB_RECT_PACK_IMPLEMENTATION
 #define STBRP_STATIC
@@ -19,47 +19,6 @@ namespace relume {
 namespace {
 
 constexpr std::uint32_t kMaxLightmapSize = 16384;
-
-std::uint64_t cells(const Chart& chart) {
-  return std::uint64_t(chart.width + 2 * kChartPadding) * (chart.height + 2 * kChartPadding);
-}
-
-glm::vec3 centre(const Geometry& geometry, const Chart& chart) {
-  glm::vec3 lower = geometry.point(chart.triangles[0], 0.0f, 0.0f), upper = lower;
-  for (const auto t : chart.triangles) {
-    for (const auto corner : geometry.triangles[t]) {
-      lower = glm::min(lower, geometry.positions[corner]);
-      upper = glm::max(upper, geometry.positions[corner]);
-    }
-  }
-  return 0.5f * (lower + upper);
-}
-
-/// Halves `group` until no part has more than kMaxSystemCells.
-void split_in_space(const std::vector<Chart>& charts, const std::vector<glm::vec3>& centres,
-                    std::vector<std::uint32_t> group, std::vector<std::vector<std::uint32_t>>& parts) {
-  std::uint64_t total = 0;
-  for (const auto c : group) total += cells(charts[c]);
-  if (total <= kMaxSystemCells || group.size() < 2) {
-    std::sort(group.begin(), group.end());
-    parts.push_back(std::move(group));
-    return;
-  }
-  glm::vec3 lower = centres[group[0]], upper = lower;
-  for (const auto c : group) {
-    lower = glm::min(lower, centres[c]);
-    upper = glm::max(upper, centres[c]);
-  }
-  const glm::vec3 size = upper - lower;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
-  std::stable_sort(group.begin(), group.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return centres[a][axis] < centres[b][axis]; });
-  std::uint64_t before = 0;
-  std::size_t cut = 0;
-  while (cut + 1 < group.size() && before < total / 2) before += cells(charts[group[cut++]]);
-  split_in_space(charts, centres, {group.begin(), group.begin() + std::ptrdiff_t(cut)}, parts);
-  split_in_space(charts, centres, {group.begin() + std::ptrdiff_t(cut), group.end()}, parts);
-}
 
 bool pack_into(std::vector<stbrp_rect>& rects, std::uint32_t width, std::uint32_t height) {
   std::vector<stbrp_node> nodes(width);
@@ -108,25 +67,79 @@ Result<void> pack(const Scene& scene, const std::vector<Chart>& charts, SystemLa
   return {};
 }
 
+/// Charts of each name; those without one under "".
+using NamedGroups = std::map<std::string, std::vector<std::uint32_t>>;
+
+NamedGroups named_groups(const Scene& scene, const std::vector<Chart>& charts) {
+  NamedGroups groups;
+  for (std::uint32_t c = 0; c < charts.size(); ++c)
+    groups[scene.nodes[charts[c].node].extras.system.value_or("")].push_back(c);
+  return groups;
+}
+
+/// `groups`, each split where it is too large.
+std::map<std::string, std::vector<std::vector<std::uint32_t>>> split_groups(const Geometry& geometry,
+                                                                            const std::vector<Chart>& charts,
+                                                                            const RayCaster& caster,
+                                                                            const SystemLimits& limits,
+                                                                            const NamedGroups& groups) {
+  const auto lumels = [&](const std::vector<std::uint32_t>& group) {
+    return std::accumulate(
+        group.begin(), group.end(), std::uint64_t{0},
+        [&](std::uint64_t sum, std::uint32_t c) { return sum + most_lumels_of(charts[c]); });
+  };
+  const bool fits = std::all_of(groups.begin(), groups.end(),
+                                [&](const auto& group) { return lumels(group.second) <= limits.lumels; });
+  const auto links = fits ? std::vector<ChartLink>{} : link_charts(geometry, charts, caster);
+  const auto costs = chart_costs(geometry, charts, links, limits);
+  std::map<std::string, std::vector<std::vector<std::uint32_t>>> parts;
+  for (const auto& [name, group] : groups) parts[name] = split_charts(costs, links, group, limits.lumels);
+  return parts;
+}
+
+/// Names of the parts of one group; unnamed ones skip names that the scene uses.
+class SystemNames {
+ public:
+  explicit SystemNames(const NamedGroups& groups) : groups_(groups) {}
+  std::string next(const std::string& group, std::size_t part, std::size_t parts) {
+    if (!group.empty()) return parts > 1 ? fmt::format("{}#{}", group, part + 1) : group;
+    std::string name;
+    do {
+      name = fmt::format("system{}", unnamed_++);
+    } while (groups_.contains(name));
+    return name;
+  }
+
+ private:
+  const NamedGroups& groups_;
+  std::uint32_t unnamed_ = 0;
+};
+
+void warn_of_large_charts(const std::vector<Chart>& charts, const SystemLimits& limits,
+                          std::vector<std::string>& warnings) {
+  const auto large = std::count_if(charts.begin(), charts.end(),
+                                   [&](const Chart& chart) { return most_lumels_of(chart) > limits.lumels; });
+  if (large == 0) return;
+  warnings.push_back(
+      fmt::format("{} chart(s) of more than {} lumels: each is a system of its own, larger than asked for",
+                  large, limits.lumels));
+}
+
 }  // namespace
 
 Result<std::vector<SystemLayout>> lay_out_systems(const Scene& scene, const Geometry& geometry,
-                                                  const std::vector<Chart>& charts) {
-  std::map<std::string, std::vector<std::uint32_t>> groups;
-  std::vector<glm::vec3> centres;
-  for (std::uint32_t c = 0; c < charts.size(); ++c) {
-    groups[scene.nodes[charts[c].node].extras.system.value_or("")].push_back(c);
-    centres.push_back(centre(geometry, charts[c]));
-  }
+                                                  const std::vector<Chart>& charts, const RayCaster& caster,
+                                                  const SystemLimits& limits,
+                                                  std::vector<std::string>& warnings) {
+  const NamedGroups groups = named_groups(scene, charts);
+  warn_of_large_charts(charts, limits, warnings);
+  SystemNames names(groups);
   std::vector<SystemLayout> layouts;
-  for (auto& [name, group] : groups) {
-    std::vector<std::vector<std::uint32_t>> parts;
-    split_in_space(charts, centres, std::move(group), parts);
+  for (auto& [name, parts] : split_groups(geometry, charts, caster, limits, groups)) {
     for (std::size_t p = 0; p < parts.size(); ++p) {
       SystemLayout layout;
-      layout.name = name.empty() ? fmt::format("system{}", layouts.size())
-                                 : (parts.size() > 1 ? fmt::format("{}#{}", name, p + 1) : name);
-      layout.charts = std::move(parts[p]);
+      layout.name = names.next(name, p, parts.size());
+      layout.charts = parts[p];
       if (auto packed = pack(scene, charts, layout); !packed) return tl::unexpected(packed.error());
       layouts.push_back(std::move(layout));
     }

@@ -11,16 +11,13 @@
 #include "core/result.h"
 #include "precompute/charts.h"
 #include "precompute/geometry.h"
+#include "precompute/split_systems.h"
 #include "scene/scene.h"
 
 namespace relume {
 
 /// Empty lumels around every chart, so that bilinear filtering and dilation stay inside it.
 inline constexpr std::uint32_t kChartPadding = 1;
-
-/// Systems grow no larger than this: their lightmaps, rows and import tables stay within the limits of any
-/// device.
-inline constexpr std::uint64_t kMaxSystemCells = 1u << 18;
 
 struct SystemLayout {
   std::string name;
@@ -29,10 +26,13 @@ struct SystemLayout {
   std::uint32_t width = 0, height = 0;  ///< lumels
 };
 
-/// Groups charts by extras.relume.system of their nodes, halves groups of too many lumels in space along
-/// their longest axis, packs each (stb_rect_pack). Fails (usage) when a single chart is too large, naming the
-/// node and the texel size that would do.
+/// Groups charts by extras.relume.system of their nodes, splits groups of too many lumels (split_systems.h),
+/// packs each (stb_rect_pack). Parts of a named group are NAME#1, NAME#2, ...; those of the rest system0,
+/// system1, ... A single chart may hold more than limits.lumels; `warnings` counts those. Fails (usage) when
+/// one is too large for a lightmap, naming the node and the texel size that would do.
 Result<std::vector<SystemLayout>> lay_out_systems(const Scene& scene, const Geometry& geometry,
-                                                  const std::vector<Chart>& charts);
+                                                  const std::vector<Chart>& charts, const RayCaster& caster,
+                                                  const SystemLimits& limits,
+                                                  std::vector<std::string>& warnings);
 
 }  // namespace relume

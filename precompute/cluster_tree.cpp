@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <span>
 
@@ -38,21 +39,62 @@ std::array<float, 6> extents(const std::vector<TreeLeaf>& leaves, std::span<cons
   return upper;
 }
 
+bool one_part(const std::vector<TreeLeaf>& leaves, std::span<const std::uint32_t> set) {
+  return std::all_of(set.begin(), set.end(),
+                     [&](std::uint32_t i) { return leaves[i].part == leaves[set[0]].part; });
+}
+
 /// Where to cut a set that is sorted along its longest direction: the first index of the upper half by area.
-/// The same in tree_order and append_tree.
+/// Parts, which follow each other where there are several, stay whole. The same in tree_order and
+/// append_tree.
 std::size_t half_by_area(const std::vector<TreeLeaf>& leaves, std::span<const std::uint32_t> sorted) {
+  const bool whole_parts = !one_part(leaves, sorted);
   double total = 0.0;
   for (const auto i : sorted) total += leaves[i].area;
   double below = 0.0;
-  for (std::size_t k = 0; k + 1 < sorted.size(); ++k) {
-    below += leaves[sorted[k]].area;
-    if (2.0 * below >= total) return k + 1;
+  std::size_t last = 0;
+  for (std::size_t k = 1; k < sorted.size(); ++k) {
+    below += leaves[sorted[k - 1]].area;
+    if (whole_parts && leaves[sorted[k]].part == leaves[sorted[k - 1]].part) continue;
+    last = k;
+    if (2.0 * below >= total) break;
   }
-  return sorted.size() - 1;
+  return last;
+}
+
+/// Brings the parts of a set into their order along the axis in which their centroids lie widest.
+void order_parts(const std::vector<TreeLeaf>& leaves, std::span<std::uint32_t> set) {
+  std::map<std::uint32_t, TreeLeaf> parts;
+  for (const auto i : set) {
+    TreeLeaf& part = parts[leaves[i].part];
+    part.area += leaves[i].area;
+    part.centroid += leaves[i].area * leaves[i].centroid;
+  }
+  std::vector<TreeLeaf> centres;
+  for (auto& [number, part] : parts) {
+    part.centroid /= part.area;
+    centres.push_back(part);
+  }
+  std::vector<std::uint32_t> all(centres.size());
+  std::iota(all.begin(), all.end(), 0u);
+  const auto widths = extents(centres, all, 0.0f);
+  const auto axis = int(std::max_element(widths.begin(), widths.begin() + 3) - widths.begin());
+  std::stable_sort(set.begin(), set.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const std::uint32_t pa = leaves[a].part, pb = leaves[b].part;
+    const float xa = parts.at(pa).centroid[axis], xb = parts.at(pb).centroid[axis];
+    return xa != xb ? xa < xb : pa < pb;
+  });
 }
 
 void order_set(const std::vector<TreeLeaf>& leaves, std::span<std::uint32_t> set) {
   if (set.size() < 2) return;
+  if (!one_part(leaves, set)) {
+    order_parts(leaves, set);
+    const std::size_t half = half_by_area(leaves, set);
+    order_set(leaves, set.subspan(0, half));
+    order_set(leaves, set.subspan(half));
+    return;
+  }
   const auto widths = extents(leaves, set, 0.0f);
   const float normal_scale = 0.5f * std::max({widths[0], widths[1], widths[2]});
   const auto all = extents(leaves, set, normal_scale);

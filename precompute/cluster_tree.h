@@ -16,6 +16,7 @@ struct TreeLeaf {
   glm::vec3 normal{0.0f};
   float area = 0.0f;        ///< m2, or steradian for sky patches
   std::uint32_t group = 0;  ///< leaves of different groups never share a node
+  std::uint32_t part = 0;   ///< system: a node lies inside one part of its group, or holds whole parts
 };
 
 /// A node is the leaves [first, first + count).
@@ -32,7 +33,8 @@ struct ClusterTree {
 
 /// Order of `leaves` in which every node is a range: leaf `order[i]` becomes number i. Groups follow each
 /// other; inside, the set is halved by area along the direction in which it is longest, where normals count
-/// as far apart as the set is wide.
+/// as far apart as the set is wide. A set of several parts is halved between parts, along the axis in which
+/// their centroids lie widest.
 std::vector<std::uint32_t> tree_order(const std::vector<TreeLeaf>& leaves);
 
 /// Appends the tree over leaves that are already in tree_order and numbered from `first`.

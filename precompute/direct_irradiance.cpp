@@ -6,6 +6,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -119,11 +120,21 @@ double lit_share(const Surroundings& around, const Light& light, const SurfacePo
   return around.caster.transmittance(from, from + glm::vec3(way * (1.0 - gap / distance)));
 }
 
+/// Whatever system it is in, the same place has the same random points.
+std::uint64_t key_of(const SurfaceElement& element) {
+  std::uint64_t key = 0;
+  for (const glm::vec3& v : {element.position, element.normal}) {
+    for (int k = 0; k < 3; ++k) key = mix(key, std::bit_cast<std::uint32_t>(v[k]));
+  }
+  return key;
+}
+
 /// One surface element while its light is added up.
 class ElementLight {
  public:
-  ElementLight(const Surroundings& around, const System& system, std::uint32_t element, std::uint64_t key)
+  ElementLight(const Surroundings& around, const System& system, std::uint32_t element)
       : around_(around), element_(system.elements[element]) {
+    const std::uint64_t key = key_of(element_);
     const Side side = system.clusters[element_.cluster].side;
     for (std::uint32_t p = 0; p < element_.piece_count; ++p) {
       add_patches(system.pieces[element_.first_piece + p], side, mix(key, p));
@@ -216,7 +227,7 @@ std::vector<Rgb> light_elements(const Surroundings& around, const System& system
   if (around.lights.empty()) return irradiance;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, system.elements.size(), 64), [&](const auto& range) {
     for (std::size_t e = range.begin(); e < range.end(); ++e) {
-      irradiance[e] = ElementLight(around, system, static_cast<std::uint32_t>(e), e).irradiance();
+      irradiance[e] = ElementLight(around, system, static_cast<std::uint32_t>(e)).irradiance();
     }
   });
   return irradiance;

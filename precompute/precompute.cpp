@@ -21,6 +21,7 @@ namespace relume {
 namespace {
 
 constexpr std::uint32_t kSkyResolution = 8;
+constexpr std::uint32_t kFewestSystemLumels = 64, kMostSystemLumels = 1u << 24;
 /// Clusters are made anew while their error is estimated so many times as large as its share of the target, a
 /// few times at most.
 constexpr double kEnough = 1.1;
@@ -47,6 +48,10 @@ Result<void> check_options(const PrecomputeOptions& options) {
   if (options.quality != 0 && (options.quality < 8 || options.quality > kMaxQuality)) {
     return bad(fmt::format("quality {}: expected 8 to {} rays per lumel", options.quality, kMaxQuality));
   }
+  if (options.system_lumels < kFewestSystemLumels || options.system_lumels > kMostSystemLumels) {
+    return bad(fmt::format("system lumels {}: expected {} to {} lumels in a system", options.system_lumels,
+                           kFewestSystemLumels, kMostSystemLumels));
+  }
   if (!(options.max_albedo > 0.0 && options.max_albedo <= 0.9999)) {
     return bad(fmt::format("max albedo {}: expected above 0 and at most 0.9999", options.max_albedo));
   }
@@ -62,15 +67,17 @@ std::string options_json(const PrecomputeOptions& options, const PrecomputeRepor
                         report.error.clusters, report.error.rays, report.error.cut, report.error.precision)
           : "";
   return fmt::format(
-      R"({{"error":{},"texel_size":{},"cluster_size":{},"quality":{},"sensor_quality":{},"budget":{},"codec":"{}","max_albedo":{},"seed":{}{}}})",
+      R"({{"error":{},"texel_size":{},"cluster_size":{},"quality":{},"sensor_quality":{},"budget":{},"system_lumels":{},"codec":"{}","max_albedo":{},"seed":{}{}}})",
       options.error, report.texel_size, report.cluster_size, plan.lumels.rays, plan.sensors.rays,
-      options.budget, kCodecs[std::size_t(plan.codec)], options.max_albedo, options.seed, reached);
+      options.budget, options.system_lumels, kCodecs[std::size_t(plan.codec)], options.max_albedo,
+      options.seed, reached);
 }
 
-void add_sensors(const PrecomputeOptions& options, Model& model) {
-  for (const SensorPoint& sensor : options.sensors) {
-    model.systems[0].sensors.push_back({sensor.position, glm::vec3(glm::normalize(sensor.normal)),
-                                        std::uint32_t(model.sensor_names.size())});
+void add_sensors(const PrecomputeOptions& options, const std::vector<std::uint32_t>& systems, Model& model) {
+  for (std::uint32_t i = 0; i < options.sensors.size(); ++i) {
+    const SensorPoint& sensor = options.sensors[i];
+    model.systems[systems[i]].sensors.push_back(
+        {sensor.position, glm::vec3(glm::normalize(sensor.normal)), i});
     model.sensor_names.push_back(sensor.name);
   }
 }
@@ -83,13 +90,13 @@ double root_mean_square(const std::vector<CutTile>& tiles) {
   return count > 0.0 ? std::sqrt(squares / count) : 0.0;
 }
 
-void estimate_errors(const TracedRows& rows, const Survey& survey, PrecomputeReport& report) {
+void estimate_errors(const TracedRows& rows, const Probing& probing, PrecomputeReport& report) {
   double squares = 0.0, count = 0.0;
   for (const SystemRows& system : rows.systems) {
     for (const RowRays& rays : system.element_rays)
       squares += double(rays.noise) * double(rays.noise), count += 1.0;
   }
-  report.error.clusters = survey.probing.cluster_error;
+  report.error.clusters = probing.cluster_error;
   report.error.rays = count > 0.0 ? std::sqrt(squares / count) : 0.0;
   for (const SystemTiles& tiles : rows.tiles)
     report.error.cut = std::max(report.error.cut, root_mean_square(tiles.lumels));
@@ -100,7 +107,8 @@ struct Preparation {
   Emitters emitters;
   SenderLookup lookup;
   RowScene rows;
-  std::optional<Survey> survey;
+  SenderTree senders;
+  std::optional<Probing> probing;  ///< where rows are cut
 
   Preparation(const Scene& scene, const Surfaces& surfaces, const RayCaster& caster, std::uint64_t seed)
       : emitters(possible_emitters(scene, surfaces)),
@@ -110,6 +118,8 @@ struct Preparation {
     rows.sky_senders.resize(6 * kSkyResolution * kSkyResolution);
     std::iota(rows.sky_senders.begin(), rows.sky_senders.end(), surfaces.cluster_count());
   }
+
+  const Probing* known() const { return probing ? &*probing : nullptr; }
   Preparation(const Preparation&) = delete;
 };
 
@@ -126,13 +136,18 @@ Result<void> prepare(const Scene& scene, const PrecomputeOptions& options, const
   for (int attempt = 0;; ++attempt) {
     cluster_surfaces(scene, caster, report, share, known, surfaces);
     prepared.emplace(scene, surfaces, caster, options.seed);
-    if (!plan.cut) return {};
+    const bool too_many = sender_count(prepared->rows) > kMaxImports;  // some must be joined
+    if (!plan.cut && !too_many) {
+      prepared->senders = plain_senders(kSkyResolution, surfaces.systems);
+      return {};
+    }
     auto surveyed = survey(prepared->rows, surfaces.charts, surfaces.systems, prepared->lookup,
                            prepared->emitters, counts, observer);
     if (!surveyed) return tl::unexpected(surveyed.error());
-    prepared->survey = std::move(*surveyed);
+    prepared->senders = std::move(surveyed->senders);
+    prepared->probing = std::move(surveyed->probing);
     const double excess =
-        prepared->survey->probing.cluster_error / std::max(kClusterShare * options.error, 1e-9);
+        prepared->probing->cluster_error / std::max(kClusterShare * options.error, 1e-9);
     if (share <= 0.0 || excess <= kEnough || attempt == kMostAttempts) return {};
     share *= std::max(0.4, 1.0 / excess);
   }
@@ -140,7 +155,7 @@ Result<void> prepare(const Scene& scene, const PrecomputeOptions& options, const
 
 void allocate_rays(const Surfaces& surfaces, const PrecomputeOptions& options, const Preparation& prepared,
                    RowCounts& counts, RowPlan& plan) {
-  plan.lumels.probing = plan.sensors.probing = prepared.survey ? &prepared.survey->probing : nullptr;
+  plan.lumels.probing = plan.sensors.probing = prepared.known();
   if (!plan.adaptive) return;
   plan.lumels.exchange = find_exchange(prepared.rows, surfaces.charts, surfaces.systems, plan.lumels,
                                        kRayShare * options.error, counts);
@@ -172,19 +187,17 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   std::vector<SurfacePoint> sensor_points;
   for (const SensorPoint& sensor : options.sensors)
     sensor_points.push_back(lift_sensor(surfaces->geometry, *caster, sensor.position, sensor.normal));
-  const Survey* known = prepared->survey ? &*prepared->survey : nullptr;
-  auto rows = trace_rows(prepared->rows, *surfaces, sensor_points, plan, known, counts, observer);
+  auto rows = trace_rows(prepared->rows, *surfaces, prepared->senders, sensor_points, plan, prepared->known(),
+                         counts, observer);
   if (!rows) return tl::unexpected(rows.error());
   report.rays = counts.rays;
   report.occlusion_rays += counts.occlusion_rays;
   report.seconds_rays = seconds_since(rays_start);
-  if (known != nullptr) estimate_errors(*rows, *known, report);
+  if (plan.cut) estimate_errors(*rows, *prepared->probing, report);
 
   const auto rows_start = std::chrono::steady_clock::now();
   if (observer && !observer("rows", 0.0))
     return fail(ErrorCode::cancelled, "stopped before rows were stored");
-  const SenderTree senders =
-      known != nullptr ? known->senders : plain_senders(kSkyResolution, surfaces->systems);
   const ModelParts parts{scene,
                          surfaces->geometry,
                          surfaces->charts,
@@ -193,15 +206,16 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
                          surfaces->own_elements,
                          rows->systems,
                          rows->sensors,
+                         rows->sensor_systems,
                          rows->orders,
                          rows->tiles,
                          prepared->emitters,
-                         senders,
+                         prepared->senders,
                          surfaces->cluster_count()};
   auto model = assemble_model(parts, plan.codec, options.max_albedo, report);
   report.seconds_rows = seconds_since(rows_start);
   if (!model) return model;
-  add_sensors(options, *model);
+  add_sensors(options, rows->sensor_systems, *model);
   light_model(scene, surfaces->geometry, *caster, *model, report.warnings);
   if (!scene.cameras.empty()) model->camera = scene.cameras.front();
   model->provenance = {scene.file_name, "relume 0.1.0", caster->description(),

@@ -42,8 +42,10 @@ struct PrecomputeOptions {
   std::uint32_t budget = 0;  ///< nodes that a tile of 8 neighbouring rows keeps (a tile that sees more trees
                              ///< keeps one each), four times as many for a sensor; 0: as the error asks, or
                              ///< without one full rows
-  std::optional<ValueCodec> codec;  ///< unless said: as the error asks, or without one f32
-  double max_albedo = 0.95;         ///< above 0, at most 0.9999
+  std::uint32_t system_lumels = 1u << 16;  ///< of a system: larger ones are split where little light crosses;
+                                           ///< 64 to 2^24
+  std::optional<ValueCodec> codec;         ///< unless said: as the error asks, or without one f32
+  double max_albedo = 0.95;                ///< above 0, at most 0.9999
   std::uint64_t seed = 0;
   std::uint32_t threads = 0;  ///< 0 = all
   std::vector<SensorPoint> sensors;

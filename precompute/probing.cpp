@@ -61,11 +61,12 @@ struct ProbedRoom {
 std::vector<ProbedCluster> clusters_of(const ProbedScene& scene) {
   std::vector<ProbedCluster> clusters;
   for (const ClusteredSurface& own : scene.surfaces) {
-    clusters.resize(own.first_cluster + own.cluster_count);
+    clusters.resize(std::max<std::size_t>(clusters.size(),
+                                          1 + *std::max_element(own.senders.begin(), own.senders.end())));
     std::vector<float> largest(own.cluster_count, 0.0f);
     for (std::size_t e = 0; e < own.cluster.size(); ++e) {
       const Element& element = own.surface.elements[e];
-      ProbedCluster& cluster = clusters[own.first_cluster + own.cluster[e]];
+      ProbedCluster& cluster = clusters[own.sender_of(std::uint32_t(e))];
       cluster.area += element.area;
       cluster.material = element.material;
       if (element.area <= largest[own.cluster[e]]) continue;

@@ -24,8 +24,8 @@ struct RowPlan {
   ValueCodec codec = ValueCodec::f32;
 };
 
-/// What nodes ask for stands, then what options ask for themselves; the rest follows from the error target, if there is one. `probing`
-/// of the limits is still empty.
+/// What nodes ask for stands, then what options ask for themselves; the rest follows from the error target,
+/// if there is one. `probing` of the limits is still empty.
 RowPlan plan_rows(const PrecomputeOptions& options, const Scene& scene);
 
 }  // namespace relume

@@ -62,8 +62,7 @@ SenderLookup::SenderLookup(const Geometry& geometry, const std::vector<Chart>& c
     for (std::uint32_t cell = 0; cell < grid.entry.size(); ++cell) {
       const std::uint32_t first = surfaces[s].surface.first_element[cell];
       if (first == surfaces[s].surface.first_element[cell + 1]) continue;
-      grid.entry[cell] = simple(surfaces[s], cell) ? surfaces[s].first_cluster + surfaces[s].cluster[first]
-                                                   : kSearch | kNoFineCell;
+      grid.entry[cell] = simple(surfaces[s], cell) ? surfaces[s].sender_of(first) : kSearch | kNoFineCell;
     }
     dilate(grid.entry, grid.width, grid.height);
     grids_.push_back(std::move(grid));
@@ -168,7 +167,7 @@ std::uint32_t SenderLookup::search(const SurfaceHit& hit, std::uint32_t system, 
   for (std::size_t i = 0; i < count; ++i) {
     const Element& element = own.surface.elements[candidates[i].element];
     if (mutually_visible(geometry_, caster_, point, {element.position, element.normal})) {
-      return own.first_cluster + own.cluster[candidates[i].element];
+      return own.sender_of(candidates[i].element);
     }
   }
   return kNone;

@@ -24,7 +24,10 @@ struct ClusteredSurface {
   SystemSurface surface;
   std::vector<std::uint32_t> cluster;  ///< per element
   std::uint32_t cluster_count = 0;
-  std::uint32_t first_cluster = 0;  ///< numbered through over all systems
+  std::uint32_t first_cluster = 0;     ///< numbered through over all systems
+  std::vector<std::uint32_t> senders;  ///< per cluster: its number among all senders
+
+  std::uint32_t sender_of(std::uint32_t element) const { return senders[cluster[element]]; }
 };
 
 /// Maps hits to clusters, numbered through over all systems. Most hits cost one look into the grid of lumels,

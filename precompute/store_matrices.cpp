@@ -8,6 +8,8 @@
 #include <functional>
 #include <tuple>
 
+#include "precompute/coarsen_imports.h"
+
 namespace relume {
 namespace {
 
@@ -32,9 +34,8 @@ SystemRowGroups row_groups(const ModelParts& parts, std::size_t s) {
   for (const auto e : parts.element_orders[s]) {
     if (parts.own_elements[s][e]) groups.lumels.rows.push_back(&parts.rows[s].elements[e]);
   }
-  // Sensors go to the first system: only there are their rows needed.
-  if (s == 0) {
-    for (const FormFactorRow& row : parts.sensors.rows) groups.sensors.rows.push_back(&row);
+  for (std::size_t i = 0; i < parts.sensors.rows.size(); ++i) {
+    if (parts.sensor_systems[i] == s) groups.sensors.rows.push_back(&parts.sensors.rows[i]);
   }
   return groups;
 }
@@ -69,32 +70,58 @@ void visit_tiles(const RowGroup& group, const std::vector<std::uint32_t>& leaves
 /// What senders the nodes of the tree are in the model; nodes that no tile keeps have no place there.
 class NodeReferences {
  public:
-  explicit NodeReferences(const ModelParts& parts)
-      : parts_(parts), references_(parts.senders.tree.nodes.size(), {kUnused, 0}) {}
+  explicit NodeReferences(const SenderTree& senders)
+      : senders_(senders), references_(senders.tree.nodes.size(), {kUnused, 0}) {}
 
-  /// Adds an inner node to the tree of its system, once.
+  /// Adds an inner node to the tree of its system, or to the one above the systems, once.
   void use(std::uint32_t node, Model& model) {
-    const TreeNodeRange& range = parts_.senders.tree.nodes[node];
     SenderRef& reference = references_[node];
     if (reference.system != kUnused) return;
-    const bool sky = range.first >= parts_.cluster_count;
-    std::uint32_t owner = 0;
-    while (!sky && range.first >= parts_.surfaces[owner].first_cluster + parts_.surfaces[owner].cluster_count)
-      ++owner;
-    const std::uint32_t first =
-        range.first - (sky ? parts_.cluster_count : parts_.surfaces[owner].first_cluster);
-    reference = {sky ? kSkySystem : owner, first};
-    if (range.count == 1) return;
-    auto& tree = sky ? model.sky_tree : model.systems[owner].tree;
-    const std::size_t leaves = sky ? parts_.senders.sky_cells.size() : parts_.surfaces[owner].cluster_count;
-    reference.index = std::uint32_t(leaves + tree.size());
-    tree.push_back({first, range.count});
+    reference = in_one_system(node) ? inside(senders_.tree.nodes[node], model) : spanning(node, model);
   }
   const SenderRef& of(std::uint32_t node) const { return references_[node]; }
 
  private:
-  static constexpr std::uint32_t kUnused = 0xfffffffeu;
-  const ModelParts& parts_;
+  bool in_one_system(std::uint32_t node) const {
+    const TreeNodeRange& range = senders_.tree.nodes[node];
+    return senders_.places[range.first].system == senders_.places[range.first + range.count - 1].system;
+  }
+
+  SenderRef inside(const TreeNodeRange& range, Model& model) const {
+    const SenderRef first = senders_.places[range.first];
+    if (range.count == 1) return first;
+    const bool sky = first.system == kSkySystem;
+    auto& tree = sky ? model.sky_tree : model.systems[first.system].tree;
+    const std::size_t leaves = sky ? model.sky_cells.size() : model.systems[first.system].clusters.size();
+    tree.push_back({first.index, range.count});
+    return {first.system, std::uint32_t(leaves + tree.size() - 1)};
+  }
+
+  SenderRef spanning(std::uint32_t node, Model& model) {
+    std::vector<SpannedPart> parts;
+    append_parts(node, model, parts);
+    std::sort(parts.begin(), parts.end(),
+              [](const SpannedPart& a, const SpannedPart& b) { return a.sender.system < b.sender.system; });
+    model.top_tree.push_back({std::uint32_t(model.top_parts.size()), std::uint32_t(parts.size())});
+    model.top_parts.insert(model.top_parts.end(), parts.begin(), parts.end());
+    return {kSpanningNodes, std::uint32_t(model.top_tree.size() - 1)};
+  }
+
+  void append_parts(std::uint32_t node, Model& model, std::vector<SpannedPart>& parts) {
+    const TreeNodeRange& range = senders_.tree.nodes[node];
+    if (!in_one_system(node)) {
+      append_parts(range.left, model, parts);
+      append_parts(range.left + 1, model, parts);
+      return;
+    }
+    use(node, model);
+    double area = 0.0;
+    for (std::uint32_t i = 0; i < range.count; ++i) area += senders_.weights[range.first + i];
+    parts.push_back({references_[node], float(area)});
+  }
+
+  static constexpr std::uint32_t kUnused = 0xfffffffdu;
+  const SenderTree& senders_;
   std::vector<SenderRef> references_;
 };
 
@@ -105,6 +132,34 @@ class ImportTable {
   void use(const CutTile& tile) {
     for (const auto node : tile.nodes) column_[node] = 0;
   }
+  std::size_t count() const {
+    return column_.size() - std::size_t(std::count(column_.begin(), column_.end(), kNone));
+  }
+  /// From now on coarser nodes stand for those that were used.
+  void coarsen(CoarserImports coarser) {
+    std::vector<std::uint32_t> columns(column_.size(), kNone);
+    for (std::uint32_t n = 0; n < column_.size(); ++n) {
+      if (column_[n] != kNone) columns[coarser.node[n]] = 0;
+    }
+    column_ = std::move(columns);
+    stands_for_ = std::move(coarser.node);
+  }
+  /// The tile with the nodes that are left, values added up.
+  CutTile coarsened(const CutTile& tile) const {
+    CutTile result;
+    result.values.resize(tile.values.size());
+    for (std::size_t i = 0; i < tile.nodes.size(); ++i) {
+      const std::uint32_t node = stands_for_[tile.nodes[i]];
+      const bool same = !result.nodes.empty() && result.nodes.back() == node;
+      if (!same) result.nodes.push_back(node);
+      for (std::size_t r = 0; r < tile.values.size(); ++r) {
+        if (!same) result.values[r].push_back(0.0f);
+        result.values[r].back() += tile.values[r][i];
+      }
+    }
+    return result;
+  }
+  bool is_coarsened() const { return !stands_for_.empty(); }
   /// Imports in the order of the senders, so that columns ascend in every tile.
   std::vector<SenderRef> finish(const ClusterTree& tree, NodeReferences& references, Model& model) {
     std::vector<std::uint32_t> used;
@@ -132,9 +187,12 @@ class ImportTable {
 
  private:
   std::vector<std::uint32_t> column_;
+  std::vector<std::uint32_t> stands_for_;  ///< per node, empty: each for itself
 };
 
-void append(const ImportTable& imports, const CutTile& tile, bool shared, BlockMatrixBuilder& matrix) {
+void append(const ImportTable& imports, const CutTile& given, bool shared, BlockMatrixBuilder& matrix) {
+  const CutTile coarser = imports.is_coarsened() ? imports.coarsened(given) : CutTile{};
+  const CutTile& tile = imports.is_coarsened() ? coarser : given;
   std::vector<double> values;
   for (const auto& row : tile.values) values.insert(values.end(), row.begin(), row.end());
   if (shared) {
@@ -144,12 +202,36 @@ void append(const ImportTable& imports, const CutTile& tile, bool shared, BlockM
   }
 }
 
+/// Joins what the rows of the system see least until its columns can name the rest.
+void coarsen(const ModelParts& parts, const SystemRowGroups& groups, const std::vector<std::uint32_t>& leaves,
+             const std::string& name, ImportTable& imports, PrecomputeReport& report) {
+  std::vector<double> weight(parts.senders.tree.nodes.size(), -1.0);
+  const auto add = [&](const CutTile& tile) {
+    for (std::size_t i = 0; i < tile.nodes.size(); ++i) {
+      double& sum = weight[tile.nodes[i]];
+      sum = std::max(sum, 0.0);
+      for (const auto& row : tile.values) sum += row[i];
+    }
+  };
+  for (const RowGroup* group : {&groups.clusters, &groups.lumels, &groups.sensors})
+    visit_tiles(*group, leaves, add);
+  const std::size_t before = imports.count();
+  CoarserImports coarser = coarsen_imports(parts.senders.tree, weight, kMaxImports);
+  report.warnings.push_back(
+      fmt::format("system {} sees {} senders, more than the {} that its columns can name: those that it sees "
+                  "least, {:.2g} % of "
+                  "its form factors, were joined to nodes of the cluster trees",
+                  name, before, kMaxImports, 100.0 * coarser.coarsened_share));
+  imports.coarsen(std::move(coarser));
+}
+
 Result<void> store_system(const ModelParts& parts, ValueCodec codec, const SystemRowGroups& groups,
                           const std::vector<std::uint32_t>& leaves, NodeReferences& references,
-                          System& system, Model& model) {
+                          System& system, Model& model, PrecomputeReport& report) {
   ImportTable imports(parts.senders.tree.nodes.size());
   for (const RowGroup* group : {&groups.clusters, &groups.lumels, &groups.sensors})
     visit_tiles(*group, leaves, [&](const CutTile& tile) { imports.use(tile); });
+  if (imports.count() > kMaxImports) coarsen(parts, groups, leaves, system.name, imports, report);
   system.imports = imports.finish(parts.senders.tree, references, model);
   if (system.imports.size() > kMaxImports) {
     return fail(ErrorCode::usage,
@@ -178,12 +260,13 @@ Result<void> store_system(const ModelParts& parts, ValueCodec codec, const Syste
 
 }  // namespace
 
-Result<void> store_matrices(const ModelParts& parts, ValueCodec codec, Model& model) {
+Result<void> store_matrices(const ModelParts& parts, ValueCodec codec, Model& model,
+                            PrecomputeReport& report) {
   const std::vector<std::uint32_t> leaves = leaf_nodes(parts.senders);
-  NodeReferences references(parts);
+  NodeReferences references(parts.senders);
   for (std::size_t s = 0; s < model.systems.size(); ++s) {
     const SystemRowGroups groups = row_groups(parts, s);
-    if (auto stored = store_system(parts, codec, groups, leaves, references, model.systems[s], model);
+    if (auto stored = store_system(parts, codec, groups, leaves, references, model.systems[s], model, report);
         !stored)
       return stored;
   }

@@ -11,6 +11,7 @@ namespace relume {
 
 /// Fills trees, imports and both matrices of all systems. Fails (usage) when a system sees more senders than
 /// columns can name.
-Result<void> store_matrices(const ModelParts& parts, ValueCodec codec, Model& model);
+Result<void> store_matrices(const ModelParts& parts, ValueCodec codec, Model& model,
+                            PrecomputeReport& report);
 
 }  // namespace relume

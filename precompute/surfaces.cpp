@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "precompute/assemble_model.h"
 
@@ -15,6 +16,13 @@ constexpr double kDefaultLumels = 40000.0;
 constexpr double kDefaultClusters = 4000.0;
 /// Where clearances decide, clusters may be so many times as large.
 constexpr double kLargestOfDefault = 4.0;
+
+/// A row keeps no more.
+std::uint32_t expected_row_entries(const PrecomputeOptions& options) {
+  constexpr std::uint32_t kOfTargets = 256;
+  if (options.budget > 0) return options.budget;
+  return options.error > 0.0 ? kOfTargets : std::max(512u, options.quality);
+}
 
 /// Sizes that were not asked for follow the scene's area; two significant digits, so that the number means
 /// something to a reader.
@@ -41,7 +49,8 @@ Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& optio
   surfaces.geometry = std::move(geometry);
   choose_sizes(options, surfaces.geometry, report);
   surfaces.charts = make_charts(scene, surfaces.geometry, report.texel_size, report.warnings);
-  auto layouts = lay_out_systems(scene, surfaces.geometry, surfaces.charts);
+  const SystemLimits limits{options.system_lumels, report.cluster_size, expected_row_entries(options)};
+  auto layouts = lay_out_systems(scene, surfaces.geometry, surfaces.charts, caster, limits, report.warnings);
   if (!layouts) return tl::unexpected(layouts.error());
   if (layouts->empty())
     return fail(ErrorCode::bad_input,
@@ -73,6 +82,8 @@ void cluster_surfaces(const Scene& scene, const RayCaster& caster, const Precomp
     system.cluster_count = 0;
     for (const auto c : system.cluster) system.cluster_count = std::max(system.cluster_count, c + 1);
     system.first_cluster = first;
+    system.senders.resize(system.cluster_count);
+    std::iota(system.senders.begin(), system.senders.end(), first);
     first += system.cluster_count;
   }
 }

@@ -12,9 +12,9 @@ std::vector<CutLimits> cluster_cuts(const TracedSystem& system, const std::vecto
   return cuts;
 }
 
-LumelCutter::LumelCutter(const Survey& survey, const TracedSystem& system,
+LumelCutter::LumelCutter(const ClusterTree& tree, const Probing& probing, const TracedSystem& system,
                          const std::vector<std::uint32_t>& order, const std::vector<CutLimits>& node_cuts)
-    : survey_(survey), system_(system), order_(order), node_cuts_(node_cuts) {}
+    : tree_(tree), probing_(probing), system_(system), order_(order), node_cuts_(node_cuts) {}
 
 void LumelCutter::take(std::uint32_t last, SystemRows& rows) {
   for (; next_ < order_.size() && system_.surface.cluster[order_[next_]] < last; ++next_) {
@@ -36,7 +36,7 @@ void LumelCutter::cut(std::size_t count, SystemRows& rows) {
     limits.push_back(node_cuts_[system_.node(waiting_[i])]);
   }
   if (count == 0) return;
-  auto tiles = cut_rows(survey_.senders.tree, survey_.probing, pointers, {kTileRows, limits});
+  auto tiles = cut_rows(tree_, probing_, pointers, {kTileRows, limits});
   std::move(tiles.begin(), tiles.end(), std::back_inserter(tiles_));
   for (std::size_t i = 0; i < count; ++i) rows.elements[waiting_[i]] = {};
   waiting_.erase(waiting_.begin(), waiting_.begin() + std::ptrdiff_t(count));

@@ -8,7 +8,6 @@
 #include "precompute/cut_rows.h"
 #include "precompute/row_plan.h"
 #include "precompute/rows.h"
-#include "precompute/survey.h"
 
 namespace relume {
 
@@ -26,8 +25,8 @@ class LumelCutter {
  public:
   /// Borrows all; `order`: the elements in the order that the model stores, by cluster; `node_cuts` per node
   /// of the scene.
-  LumelCutter(const Survey& survey, const TracedSystem& system, const std::vector<std::uint32_t>& order,
-              const std::vector<CutLimits>& node_cuts);
+  LumelCutter(const ClusterTree& tree, const Probing& probing, const TracedSystem& system,
+              const std::vector<std::uint32_t>& order, const std::vector<CutLimits>& node_cuts);
 
   /// Rows of the elements of all clusters below `last` are there. What does not fill a tile waits for more.
   void take(std::uint32_t last, SystemRows& rows);
@@ -37,7 +36,8 @@ class LumelCutter {
  private:
   void cut(std::size_t count, SystemRows& rows);
 
-  const Survey& survey_;
+  const ClusterTree& tree_;
+  const Probing& probing_;
   TracedSystem system_;
   const std::vector<std::uint32_t>& order_;
   const std::vector<CutLimits>& node_cuts_;

@@ -12,48 +12,61 @@ std::vector<const FormFactorRow*> pointers_to(const std::vector<FormFactorRow>& 
   return pointers;
 }
 
-Result<void> trace_systems(const RowScene& scene, const Surfaces& surfaces, const RowPlan& plan,
-                           const Survey* survey, RowCounts& counts, const ProgressObserver& observer,
-                           TracedRows& rows) {
-  for (const ClusteredSurface& surface : surfaces.systems) rows.orders.push_back(stored_order(surface));
+Result<SystemTiles> trace_and_cut(const RowScene& scene, const TracedSystem& system,
+                                  const SenderTree& senders, const RowPlan& plan, const Probing& probing,
+                                  RowCounts& counts, const ProgressObserver& observer,
+                                  const std::vector<std::uint32_t>& order, SystemRows& rows) {
+  LumelCutter cutter(senders.tree, probing, system, order, plan.node_cuts);
+  auto traced = trace_system(scene, system, plan.lumels, plan.node_quality, counts, observer,
+                             [&](std::uint32_t last, SystemRows& batch) { cutter.take(last, batch); });
+  if (!traced) return tl::unexpected(traced.error());
+  rows = std::move(*traced);
+  SystemTiles tiles;
+  tiles.lumels = cutter.finish(rows);
+  const std::vector<CutLimits> cuts = cluster_cuts(system, plan.node_cuts);
+  tiles.clusters = cut_rows(senders.tree, probing, pointers_to(rows.clusters), {kTileRows, cuts});
+  rows.clusters = {};
+  return tiles;
+}
+
+Result<void> trace_systems(const RowScene& scene, const Surfaces& surfaces, const SenderTree& senders,
+                           const RowPlan& plan, const Probing* probing, RowCounts& counts,
+                           const ProgressObserver& observer, TracedRows& rows) {
   for (std::size_t s = 0; s < surfaces.systems.size(); ++s) {
+    rows.orders.push_back(stored_order(surfaces.systems[s]));
     const TracedSystem system{surfaces.charts, surfaces.systems[s], surfaces.own_elements[s]};
-    if (survey == nullptr) {
+    if (!plan.cut) {
       auto traced = trace_system(scene, system, plan.lumels, plan.node_quality, counts, observer);
       if (!traced) return tl::unexpected(traced.error());
       rows.systems.push_back(std::move(*traced));
       continue;
     }
-    LumelCutter cutter(*survey, system, rows.orders[s], plan.node_cuts);
-    auto traced = trace_system(scene, system, plan.lumels, plan.node_quality, counts, observer,
-                               [&](std::uint32_t last, SystemRows& batch) { cutter.take(last, batch); });
-    if (!traced) return tl::unexpected(traced.error());
-    SystemTiles tiles;
-    tiles.lumels = cutter.finish(*traced);
-    const std::vector<CutLimits> cuts = cluster_cuts(system, plan.node_cuts);
-    tiles.clusters =
-        cut_rows(survey->senders.tree, survey->probing, pointers_to(traced->clusters), {kTileRows, cuts});
-    traced->clusters = {};
-    rows.systems.push_back(std::move(*traced));
-    rows.tiles.push_back(std::move(tiles));
+    auto tiles = trace_and_cut(scene, system, senders, plan, *probing, counts, observer, rows.orders[s],
+                               rows.systems.emplace_back());
+    if (!tiles) return tl::unexpected(tiles.error());
+    rows.tiles.push_back(std::move(*tiles));
   }
   return {};
 }
 
 }  // namespace
 
-Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces,
+Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces, const SenderTree& senders,
                               std::span<const SurfacePoint> sensors, const RowPlan& plan,
-                              const Survey* survey, RowCounts& counts, const ProgressObserver& observer) {
+                              const Probing* probing, RowCounts& counts, const ProgressObserver& observer) {
   TracedRows rows;
-  if (auto traced = trace_systems(scene, surfaces, plan, survey, counts, observer, rows); !traced)
+  if (auto traced = trace_systems(scene, surfaces, senders, plan, probing, counts, observer, rows); !traced)
     return tl::unexpected(traced.error());
   auto sensor_rows = trace_sensors(scene, sensors, plan.sensors, counts, observer);
   if (!sensor_rows) return tl::unexpected(sensor_rows.error());
   rows.sensors = std::move(*sensor_rows);
-  if (survey != nullptr) {
-    rows.tiles.front().sensors = cut_rows(survey->senders.tree, survey->probing,
-                                          pointers_to(rows.sensors.rows), {1, {&plan.sensor_cut, 1}});
+  rows.sensor_systems = systems_of_sensors(senders, surfaces.systems.size(), rows.sensors.rows);
+  for (std::uint32_t s = 0; s < rows.tiles.size(); ++s) {
+    std::vector<const FormFactorRow*> own;
+    for (std::size_t i = 0; i < rows.sensors.rows.size(); ++i) {
+      if (rows.sensor_systems[i] == s) own.push_back(&rows.sensors.rows[i]);
+    }
+    rows.tiles[s].sensors = cut_rows(senders.tree, *probing, own, {1, {&plan.sensor_cut, 1}});
   }
   return rows;
 }

@@ -11,17 +11,19 @@
 
 namespace relume {
 
-/// All rows of a model, cut where there is a survey.
+/// All rows of a model.
 struct TracedRows {
   std::vector<SystemRows> systems;
-  std::vector<SystemTiles> tiles;  ///< per system; none without a survey
+  std::vector<SystemTiles> tiles;  ///< per system; none without a cut
   SensorRows sensors;
+  std::vector<std::uint32_t> sensor_systems;       ///< per sensor: the one that it belongs to
   std::vector<std::vector<std::uint32_t>> orders;  ///< per system: elements as the model stores them
 };
 
-/// In the calling task arena. Cancelled when the observer says so.
-Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces,
+/// Cut against `probing` where the plan says so. In the calling task arena. Cancelled when the observer says
+/// so.
+Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces, const SenderTree& senders,
                               std::span<const SurfacePoint> sensors, const RowPlan& plan,
-                              const Survey* survey, RowCounts& counts, const ProgressObserver& observer);
+                              const Probing* probing, RowCounts& counts, const ProgressObserver& observer);
 
 }  // namespace relume

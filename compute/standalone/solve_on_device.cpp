@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "compute/standalone/solver_session.h"
+#include "core/sender_leaves.h"
 
 namespace relume {
 namespace {
@@ -55,21 +56,32 @@ std::uint32_t longest_row(const Model& model) {
   return longest;
 }
 
-/// Leaves of the largest node.
-std::uint32_t largest_node(const Model& model) {
-  std::uint32_t largest = 0;
+/// Additions on the way of one term into the mean of the largest node that is imported, as a lane makes them;
+/// 0: all senders are leaves.
+std::uint32_t longest_mean(const Model& model) {
+  const LeafNumbers numbers(model);
+  std::uint32_t longest = 0;
   for (const System& system : model.systems) {
-    for (const TreeNode& node : system.tree) largest = std::max(largest, node.count);
+    for (const SenderRef& sender : system.imports) {
+      const SenderLeaves leaves = numbers.leaves_of(sender);
+      std::uint32_t terms = sender.system == kSpanningNodes ? std::uint32_t(leaves.ranges.size()) : 0;
+      std::uint32_t of_range = 0;
+      for (const LeafRange& range : leaves.ranges) of_range = std::max(of_range, (range.count + 7) / 8);
+      terms += of_range;
+      const bool leaf =
+          leaves.ranges.size() == 1 && leaves.ranges[0].count == 1 && leaves.missing_area == 0.0;
+      if (!leaf) longest = std::max(longest, terms);
+    }
   }
-  return largest;
+  return longest;
 }
 
 /// Roundings of one bounce, each at most 2^-24 of its result: the product of an entry, the additions of its
 /// lane, 3 of the tree, 3 of the scale, 3 of B = M + albedo (H + I), 2 of the stored albedo and exitance or
 /// direct irradiance. Of the mean of a node: the stored weight, its product, the additions of its lane, 3 of
 /// the tree, 2 of the scale.
-double rounding_of_bounce(std::uint32_t row_entries, std::uint32_t node_leaves) {
-  const double of_node = node_leaves > 0 ? std::ceil(node_leaves / 8.0) + 7.0 : 0.0;
+double rounding_of_bounce(std::uint32_t row_entries, std::uint32_t mean_terms) {
+  const double of_node = mean_terms > 0 ? mean_terms + 7.0 : 0.0;
   return (std::ceil(row_entries / 8.0) + 12.0 + of_node) * 0x1p-24;
 }
 
@@ -238,7 +250,7 @@ Result<DeviceSolution> solve_on_device(StandaloneDevice& device, const Model& mo
   }
   out.seconds.upload = watch.lap();
 
-  const double rounding = rounding_of_bounce(longest_row(model), largest_node(model));
+  const double rounding = rounding_of_bounce(longest_row(model), longest_mean(model));
   const auto contraction = bound_on_device(*session, lighting, rounding);
   if (!contraction) return failed(contraction.error());
   out.seconds.contraction = watch.lap();

@@ -25,7 +25,9 @@ const uint kSolveBindings = 8u;
 
 /// Set of one system.
 const uint kSystemSet = 1u;
-const uint kImportsBinding = 0u;         // uvec4 per import: first leaf, number of leaves, bits of 1 / their weight, 0
+// uvec4 per import: first leaf, number of leaves, bits of 1 / their weight, 0; of a node above the systems: first of its ranges in
+// this buffer, 0, bits of 1 / the weight of all, number of ranges. Ranges follow the imports: first leaf, number of leaves, 0, 0.
+const uint kImportsBinding = 0u;
 const uint kLocalRadiosityBinding = 1u;  // vec4 per import: b of the sender
 const uint kIrradianceBinding = 2u;      // vec4 per gather row of the system: I, lm/m2
 const uint kSystemBindings = 3u;

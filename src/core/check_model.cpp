@@ -165,7 +165,7 @@ Result<void> check_occluders(const Model& model) {
 
 /// Numbers over all systems fit 32 bits.
 Result<void> check_totals(const Model& model) {
-  std::uint64_t senders = model.sky_cells.size() + model.sky_tree.size();
+  std::uint64_t senders = model.sky_cells.size() + model.sky_tree.size() + model.top_tree.size();
   std::uint64_t gather_rows = 0;
   for (const System& system : model.systems) {
     senders += system.clusters.size() + system.tree.size();
@@ -186,7 +186,7 @@ Result<void> check_model(const Model& model) {
   for (std::size_t index = 0; index < model.systems.size(); ++index) {
     if (auto checked = check_system(model, index); !checked) return checked;
   }
-  return {};
+  return check_top_tree(model);
 }
 
 }  // namespace relume

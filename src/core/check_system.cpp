@@ -203,18 +203,8 @@ Result<void> check_imports(const SystemPlace& at) {
   std::vector<std::tuple<std::uint32_t, std::uint32_t>> senders;
   for (std::size_t index = 0; index < at.system.imports.size(); ++index) {
     const SenderRef& sender = at.system.imports[index];
-    const bool sky = sender.system == kSkySystem;
-    if (!sky && sender.system >= at.model.systems.size()) {
-      return broken_model("system {}, import {}: expected a system below {} or the sky, found {}", at.index,
-                          index, at.model.systems.size(), sender.system);
-    }
-    const std::size_t limit =
-        sky ? at.model.sky_cells.size() + at.model.sky_tree.size()
-            : at.model.systems[sender.system].clusters.size() + at.model.systems[sender.system].tree.size();
-    if (sender.index >= limit) {
-      return broken_model("system {}, import {}: expected a {} or node below {}, found {}", at.index, index,
-                          sky ? "sky patch" : "cluster", limit, sender.index);
-    }
+    const std::string owner = fmt::format("system {}, import {}", at.index, index);
+    if (auto checked = check_sender(at.model, sender, owner); !checked) return checked;
     senders.emplace_back(sender.system, sender.index);
   }
   std::sort(senders.begin(), senders.end());
@@ -231,6 +221,16 @@ Result<void> check_matrix(const SystemPlace& at, const BlockMatrix& matrix, cons
   return check_block_matrix(matrix, fmt::format("model: system {}, {} matrix", at.index, name));
 }
 
+Result<void> check_not_loaded(const SystemPlace& at) {
+  const System& system = at.system;
+  const bool empty = system.clusters.empty() && system.elements.empty() && system.pieces.empty() &&
+                     system.lumels.empty() && system.sensors.empty() && system.charts.empty() &&
+                     system.tree.empty() && system.imports.empty() && system.bounce.rows == 0 &&
+                     system.gather.rows == 0;
+  if (empty) return {};
+  return broken_model("system {}: expected nothing in a system that is not loaded", at.index);
+}
+
 }  // namespace
 
 Result<void> check_tree(const std::vector<TreeNode>& tree, std::size_t leaves, const std::string& owner) {
@@ -243,8 +243,28 @@ Result<void> check_tree(const std::vector<TreeNode>& tree, std::size_t leaves, c
   return {};
 }
 
+Result<void> check_sender(const Model& model, const SenderRef& sender, const std::string& owner) {
+  const bool sky = sender.system == kSkySystem, spanning = sender.system == kSpanningNodes;
+  if (!sky && !spanning && sender.system >= model.systems.size()) {
+    return broken_model("{}: expected a system below {} or the sky, found {}", owner, model.systems.size(),
+                        sender.system);
+  }
+  if (!sky && !spanning && !model.systems[sender.system].loaded) return {};
+  const std::size_t limit =
+      sky        ? model.sky_cells.size() + model.sky_tree.size()
+      : spanning ? model.top_tree.size()
+                 : model.systems[sender.system].clusters.size() + model.systems[sender.system].tree.size();
+  if (sender.index < limit) return {};
+  return broken_model("{}: expected a {} below {}, found {}", owner,
+                      sky        ? "sky patch or node"
+                      : spanning ? "node above the systems"
+                                 : "cluster or node",
+                      limit, sender.index);
+}
+
 Result<void> check_system(const Model& model, std::size_t index) {
   const SystemPlace at{model, model.systems[index], index};
+  if (!at.system.loaded) return check_not_loaded(at);
   if (auto checked = check_clusters(at); !checked) return checked;
   if (auto checked = check_elements(at); !checked) return checked;
   if (auto checked = check_lumels(at); !checked) return checked;

@@ -6,6 +6,7 @@
 #include <new>
 #include <optional>
 
+#include "core/decode_sections.h"
 #include "core/model_file.h"
 #include "core/model_sections.h"
 #include "core/section_table.h"
@@ -204,6 +205,8 @@ std::optional<Result<void>> read_model_section(const Section& section, Model& mo
   Occluders& occluders = model.occluders;
   if (id == kSkyCells) return read_array(section, model.sky_cells);
   if (id == kSkyTree) return read_array(section, model.sky_tree);
+  if (id == kTopTree) return read_array(section, model.top_tree);
+  if (id == kTopParts) return read_array(section, model.top_parts);
   if (id == kMaterials) return read_materials(section, model);
   if (id == kNodes) return read_nodes(section, model);
   if (id == kLights) return read_records<Light>(section, model.lights, read_light);
@@ -277,7 +280,7 @@ Result<void> check_order(const std::vector<Section>& sections) {
   return {};
 }
 
-Result<Model> assemble(const std::vector<Section>& sections) {
+Result<Model> assemble(const std::vector<Section>& sections, const std::vector<bool>& chosen) {
   if (auto checked = check_order(sections); !checked) return tl::unexpected(checked.error());
   const SectionRecord& last = sections.back().record;
   const std::size_t systems = last.owner == kNone ? 0 : std::size_t{last.owner} + 1;
@@ -286,7 +289,14 @@ Result<Model> assemble(const std::vector<Section>& sections) {
   for (const Section& section : std::span(sections).subspan(1)) {
     if (auto done = read_section(section, model); !done) return tl::unexpected(done.error());
   }
-  for (System& system : model.systems) {
+  for (std::size_t index = 0; index < systems; ++index) {
+    System& system = model.systems[index];
+    if (!chosen.empty() && !chosen[index]) {
+      const std::string system_name = system.name;
+      system = {};
+      system.name = system_name;
+      system.loaded = false;
+    }
     system.bounce.columns = static_cast<std::uint32_t>(system.imports.size());
     system.gather.columns = system.bounce.columns;
   }
@@ -295,16 +305,27 @@ Result<Model> assemble(const std::vector<Section>& sections) {
 
 }  // namespace
 
+Result<std::string> decode_system_name(const Section& section) {
+  System system;
+  if (auto done = read_system_head(section, system); !done) return tl::unexpected(done.error());
+  return system.name;
+}
+
+Result<Model> decode_sections(const std::vector<Section>& sections, const std::vector<bool>& chosen,
+                              const std::string& name) {
+  auto model = assemble(sections, chosen);
+  if (!model) return fail(model.error().code, name + ": " + model.error().message);
+  if (auto checked = check_model(*model); !checked) {
+    return fail(checked.error().code, name + ": " + checked.error().message);
+  }
+  return model;
+}
+
 Result<Model> decode_model(std::span<const std::byte> bytes, const std::string& name) {
   try {
     const auto sections = read_sections(bytes, name);
     if (!sections) return tl::unexpected(sections.error());
-    auto model = assemble(*sections);
-    if (!model) return fail(model.error().code, name + ": " + model.error().message);
-    if (auto checked = check_model(*model); !checked) {
-      return fail(checked.error().code, name + ": " + checked.error().message);
-    }
-    return model;
+    return decode_sections(*sections, {}, name);
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::out_of_memory,
                 fmt::format("{}: not enough memory for a file of {} bytes", name, bytes.size()));

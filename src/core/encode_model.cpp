@@ -144,6 +144,8 @@ std::vector<std::byte> encode_model(const Model& model) {
   add_info(model, file);
   file.add_array(kSkyCells, kNone, model.sky_cells);
   file.add_array(kSkyTree, kNone, model.sky_tree);
+  file.add_array(kTopTree, kNone, model.top_tree);
+  file.add_array(kTopParts, kNone, model.top_parts);
   add_named_records(model, file);
   add_lights(model.lights, file);
   add_occluders(model.occluders, file);

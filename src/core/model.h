@@ -104,8 +104,12 @@ struct TreeNode {
 };
 static_assert(sizeof(TreeNode) == 8);
 
+/// `system` of a SenderRef that names a node above the systems.
+inline constexpr std::uint32_t kSpanningNodes = 0xfffffffeu;
+
 /// A sender: cluster `index` of system `system`, or sky patch `index`. With n the number of clusters (of sky patches), an index
-/// of n or more is the node tree[index - n] of that system (sky_tree[index - n] of the model). Stored.
+/// of n or more is the node tree[index - n] of that system (sky_tree[index - n] of the model). With kSpanningNodes, it is the
+/// node top_tree[index] of the model. Stored.
 struct SenderRef {
   std::uint32_t system = 0;
   std::uint32_t index = 0;
@@ -113,9 +117,27 @@ struct SenderRef {
 };
 static_assert(sizeof(SenderRef) == 8);
 
+/// A node above the systems: the parts [first_part, first_part + part_count) of Model::top_parts, each in another system. Its
+/// radiosity is that of all their clusters, meant by area. Stored.
+struct SpanningNode {
+  std::uint32_t first_part = 0;
+  std::uint32_t part_count = 0;  ///< at least 2
+  friend bool operator==(const SpanningNode&, const SpanningNode&) = default;
+};
+static_assert(sizeof(SpanningNode) == 8);
+
+/// What a node above the systems spans in one of them. Stored.
+struct SpannedPart {
+  SenderRef sender;   ///< a cluster or a tree node of a system
+  float area = 0.0f;  ///< m2 of its clusters: known while that system is not loaded
+  friend bool operator==(const SpannedPart&, const SpannedPart&) = default;
+};
+static_assert(sizeof(SpannedPart) == 12);
+
 /// A group of geometry that is precomputed, stored, loaded and updated as one.
 struct System {
   std::string name;
+  bool loaded = true;                 ///< false: all but the name is empty (read_systems)
   std::uint32_t lightmap_width = 0;   ///< lumels
   std::uint32_t lightmap_height = 0;
   std::vector<Cluster> clusters;          ///< rows of `bounce`
@@ -124,7 +146,7 @@ struct System {
   std::vector<Lumel> lumels;              ///< rows [0, lumels) of `gather`
   std::vector<Sensor> sensors;            ///< rows [lumels, lumels + sensors) of `gather`
   std::vector<LightmapChart> charts;
-  std::vector<TreeNode> tree;      ///< over `clusters`: the nodes that some system imports
+  std::vector<TreeNode> tree;      ///< over `clusters`: the nodes that some system imports, or a node above the systems spans
   std::vector<SenderRef> imports;  ///< what the columns of both matrices mean
   BlockMatrix bounce;              ///< K: clusters x imports
   BlockMatrix gather;              ///< G: (lumels, sensors) x imports
@@ -180,6 +202,8 @@ struct Model {
   std::vector<std::uint32_t> sky_cells;   ///< sky patch p is cell sky_cells[p]; empty when no ray escaped
   std::vector<TreeNode> sky_tree;         ///< over `sky_cells`, weighted by solid angle: the nodes that some system imports
   std::vector<System> systems;
+  std::vector<SpanningNode> top_tree;     ///< above the systems: the nodes that some system imports
+  std::vector<SpannedPart> top_parts;     ///< grouped by node of top_tree; systems ascend inside a node
   std::vector<MaterialRecord> materials;
   std::vector<NodeRecord> nodes;
   std::vector<std::string> sensor_names;

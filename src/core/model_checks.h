@@ -19,6 +19,12 @@ Result<void> check_tree(const std::vector<TreeNode>& tree, std::size_t leaves, c
 /// The promises of core/opacity.h, over so many triangles.
 Result<void> check_opacity(const Opacity& opacity, std::size_t triangles);
 
+/// A cluster, sky patch or node that there is. Whether a system that is not loaded has it is not known.
+Result<void> check_sender(const Model& model, const SenderRef& sender, const std::string& owner);
+
+/// The promises of the nodes above the systems; those of the systems are checked before.
+Result<void> check_top_tree(const Model& model);
+
 /// The promises of system `index`; those of the occluders are checked before.
 Result<void> check_system(const Model& model, std::size_t index);
 

@@ -11,6 +11,8 @@ namespace relume::sections {
 inline constexpr std::string_view kInfo = "INFO";
 inline constexpr std::string_view kSkyCells = "SKYC";
 inline constexpr std::string_view kSkyTree = "SKYT";
+inline constexpr std::string_view kTopTree = "TOPN";
+inline constexpr std::string_view kTopParts = "TOPP";
 inline constexpr std::string_view kMaterials = "MATL";
 inline constexpr std::string_view kNodes = "NODE";
 inline constexpr std::string_view kSensorNames = "SNAM";

@@ -9,34 +9,33 @@
 #include <limits>
 #include <utility>
 
-#include "core/sky.h"
+#include "core/sender_leaves.h"
 
 namespace relume {
 namespace {
 
-/// Senders numbered through: clusters, sky patches, nodes of each system, nodes of the sky.
+/// Senders numbered through: leaves (clusters, sky patches), nodes of each system, nodes of the sky, nodes
+/// above the systems.
 class SenderNumbers {
  public:
-  explicit SenderNumbers(const Model& model) : model_(model), clusters_(cluster_offsets(model)) {
-    next_ = leaves();
-    for (const System& system : model.systems) {
-      first_node_.push_back(next_);
-      next_ += static_cast<std::uint32_t>(system.tree.size());
-    }
-    first_node_.push_back(next_);
-    next_ += static_cast<std::uint32_t>(model.sky_tree.size());
+  explicit SenderNumbers(const Model& model) : model_(model), leaves_(model), next_(leaves_.count()) {
+    for (const System& system : model.systems) add_nodes(system.tree.size());
+    add_nodes(model.sky_tree.size());
+    add_nodes(model.top_tree.size());
   }
 
-  std::uint32_t leaves() const {
-    return clusters_.back() + static_cast<std::uint32_t>(model_.sky_cells.size());
-  }
+  const LeafNumbers& leaves() const { return leaves_; }
   std::uint32_t senders() const { return next_; }
+  /// kNone: nothing of the sender is loaded.
   std::uint32_t number(const SenderRef& sender) const {
-    const std::size_t owner = sender.system == kSkySystem ? model_.systems.size() : sender.system;
-    const std::size_t leaves =
-        sender.system == kSkySystem ? model_.sky_cells.size() : model_.systems[owner].clusters.size();
-    if (sender.index < leaves) return clusters_[owner] + sender.index;
-    return first_node_[owner] + (sender.index - static_cast<std::uint32_t>(leaves));
+    const SenderLeaves leaves = leaves_.leaves_of(sender);
+    if (leaves.ranges.empty()) return kNone;
+    const std::size_t systems = model_.systems.size();
+    if (sender.system == kSpanningNodes) return first_node_[systems + 1] + sender.index;
+    const bool sky = sender.system == kSkySystem;
+    const std::size_t own = sky ? model_.sky_cells.size() : model_.systems[sender.system].clusters.size();
+    if (sender.index < own) return leaves.ranges.front().first;
+    return first_node_[sky ? systems : sender.system] + (sender.index - static_cast<std::uint32_t>(own));
   }
   std::vector<std::uint32_t> of_imports(const System& system) const {
     std::vector<std::uint32_t> numbers;
@@ -45,19 +44,26 @@ class SenderNumbers {
   }
 
  private:
+  void add_nodes(std::size_t count) {
+    first_node_.push_back(next_);
+    next_ += static_cast<std::uint32_t>(count);
+  }
+
   const Model& model_;
-  std::vector<std::uint32_t> clusters_;
-  std::vector<std::uint32_t> first_node_;  ///< per system, then of the sky
+  LeafNumbers leaves_;
   std::uint32_t next_ = 0;
+  std::vector<std::uint32_t> first_node_;  ///< per system, of the sky, above the systems
 };
 
-/// Appends the rows of one system to `all`, with columns renumbered and sorted again.
+/// Appends the rows of one system to `all`, with columns renumbered and sorted again. A sender that is not
+/// loaded has no column: it has no radiosity either.
 void append_rows(const CsrMatrix& local, const std::vector<std::uint32_t>& numbers, CsrMatrix& all) {
   std::vector<std::pair<std::uint32_t, double>> row_entries;
   for (std::uint32_t row = 0; row < local.rows; ++row) {
     row_entries.clear();
     for (std::uint64_t entry = local.row_offsets[row]; entry < local.row_offsets[row + 1]; ++entry) {
-      row_entries.emplace_back(numbers[local.column_indices[entry]], local.values[entry]);
+      const std::uint32_t number = numbers[local.column_indices[entry]];
+      if (number != kNone) row_entries.emplace_back(number, local.values[entry]);
     }
     std::sort(row_entries.begin(), row_entries.end());
     for (const auto& [column, value] : row_entries) {
@@ -76,19 +82,32 @@ CsrMatrix empty_matrix(std::uint32_t columns) {
   return matrix;
 }
 
-/// Appends the rows of P for the nodes of one tree. `weights`: area or solid angle per leaf of the tree.
-void append_nodes(const std::vector<TreeNode>& tree, std::uint32_t first_leaf,
-                  const std::vector<double>& weights, CsrMatrix& nodes) {
-  for (const TreeNode& node : tree) {
-    double sum = 0.0;
-    for (std::uint32_t leaf = node.first; leaf < node.first + node.count; ++leaf) sum += weights[leaf];
-    for (std::uint32_t leaf = node.first; leaf < node.first + node.count; ++leaf) {
-      nodes.column_indices.push_back(first_leaf + leaf);
-      nodes.values.push_back(weights[leaf] / sum);
+/// Appends a row of P.
+void append_node(const SenderRef& node, const LeafNumbers& numbers, CsrMatrix& nodes) {
+  const SenderLeaves leaves = numbers.leaves_of(node);
+  const double weight = numbers.weight_of(leaves);
+  for (const LeafRange& range : leaves.ranges) {
+    for (std::uint32_t leaf = range.first; leaf < range.first + range.count; ++leaf) {
+      nodes.column_indices.push_back(leaf);
+      nodes.values.push_back(numbers.weights()[leaf] / weight);
     }
-    nodes.row_offsets.push_back(nodes.values.size());
-    ++nodes.rows;
   }
+  nodes.row_offsets.push_back(nodes.values.size());
+  ++nodes.rows;
+}
+
+/// P: nodes in the order of SenderNumbers.
+CsrMatrix node_matrix(const Model& model, const LeafNumbers& numbers) {
+  CsrMatrix nodes = empty_matrix(numbers.count());
+  const auto append = [&](std::size_t system, std::size_t first, std::size_t count) {
+    for (std::size_t n = first; n < first + count; ++n)
+      append_node({static_cast<std::uint32_t>(system), static_cast<std::uint32_t>(n)}, numbers, nodes);
+  };
+  for (std::size_t s = 0; s < model.systems.size(); ++s)
+    append(s, model.systems[s].clusters.size(), model.systems[s].tree.size());
+  append(kSkySystem, model.sky_cells.size(), model.sky_tree.size());
+  append(kSpanningNodes, 0, model.top_tree.size());
+  return nodes;
 }
 
 Rgb row_product(const CsrMatrix& matrix, std::uint32_t row, const std::vector<Rgb>& b) {
@@ -190,23 +209,14 @@ SenderMatrix::SenderMatrix(CsrMatrix all_rows, CsrMatrix all_nodes)
 
 ReferenceMatrices reference_matrices(const Model& model) {
   const SenderNumbers numbers(model);
-  const std::vector<std::uint32_t> clusters = cluster_offsets(model);
-  CsrMatrix nodes = empty_matrix(numbers.leaves());
+  const CsrMatrix nodes = node_matrix(model, numbers.leaves());
   CsrMatrix bounce = empty_matrix(numbers.senders());
   CsrMatrix gather = empty_matrix(numbers.senders());
-  for (std::size_t index = 0; index < model.systems.size(); ++index) {
-    const System& system = model.systems[index];
-    std::vector<double> areas;
-    for (const Cluster& cluster : system.clusters) areas.push_back(cluster.area);
-    append_nodes(system.tree, clusters[index], areas, nodes);
+  for (const System& system : model.systems) {
     const std::vector<std::uint32_t> columns = numbers.of_imports(system);
     append_rows(decode(system.bounce), columns, bounce);
     append_rows(decode(system.gather), columns, gather);
   }
-  std::vector<double> angles;
-  for (const std::uint32_t cell : model.sky_cells)
-    angles.push_back(sky_cell_solid_angle(cell, model.sky_resolution));
-  append_nodes(model.sky_tree, clusters.back(), angles, nodes);
   return {SenderMatrix(std::move(bounce), nodes), SenderMatrix(std::move(gather), nodes)};
 }
 

@@ -13,13 +13,14 @@
 namespace relume {
 
 /// A matrix over all senders, and P, which spreads the radiosity of leaves to nodes. Senders are numbered through: the clusters
-/// of all systems, then the sky patches (together the leaves), then the nodes.
+/// of all systems, then the sky patches (together the leaves), then the nodes. What is not loaded has no
+/// radiosity and is left out: rows then sum to less.
 struct SenderMatrix {
   /// Without nodes: senders are leaves.
   SenderMatrix(CsrMatrix all_rows = {}, CsrMatrix all_nodes = {});
 
   CsrMatrix rows;   ///< rows x senders
-  CsrMatrix nodes;  ///< nodes x leaves: weights of the mean, each row sums to 1
+  CsrMatrix nodes;  ///< nodes x leaves: weights of the mean, each row sums to 1 where all is loaded
 };
 
 /// Decoded matrices of all systems.

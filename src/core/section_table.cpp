@@ -37,7 +37,8 @@ tl::unexpected<Error> malformed(const std::string& name, const std::string& sent
   return fail(ErrorCode::bad_input, name + ": " + sentence);
 }
 
-Result<FileHeader> read_header(std::span<const std::byte> bytes, const std::string& name) {
+Result<FileHeader> read_header(std::span<const std::byte> bytes, std::uint64_t file_bytes,
+                               const std::string& name) {
   FileHeader header;
   if (bytes.size() < sizeof header) {
     return malformed(
@@ -52,22 +53,22 @@ Result<FileHeader> read_header(std::span<const std::byte> bytes, const std::stri
     return malformed(name,
                      fmt::format("byte 8: expected file version {}, found {}", kFileVersion, header.version));
   }
-  if (header.file_bytes != bytes.size()) {
-    return malformed(name, fmt::format("byte 16: expected {} bytes in the file, found {}", header.file_bytes,
-                                       bytes.size()));
+  if (header.file_bytes != file_bytes) {
+    return malformed(
+        name, fmt::format("byte 16: expected {} bytes in the file, found {}", header.file_bytes, file_bytes));
   }
   return header;
 }
 
 Result<std::vector<SectionRecord>> read_table(std::span<const std::byte> bytes, const FileHeader& header,
                                               const std::string& name) {
-  const std::uint64_t table_bytes = std::uint64_t{header.section_count} * sizeof(SectionRecord);
-  if (table_bytes > bytes.size() - sizeof header) {
+  if (table_bytes(header) > bytes.size()) {
     return malformed(name, fmt::format("byte 12: expected room for {} sections, found a file of {} bytes",
-                                       header.section_count, bytes.size()));
+                                       header.section_count, header.file_bytes));
   }
   std::vector<SectionRecord> records(header.section_count);
-  if (!records.empty()) std::memcpy(records.data(), bytes.data() + sizeof header, table_bytes);
+  if (!records.empty())
+    std::memcpy(records.data(), bytes.data() + sizeof header, table_bytes(header) - sizeof header);
   const std::uint64_t found = table_checksum(header, records);
   if (found != header.checksum) {
     return malformed(
@@ -146,31 +147,48 @@ std::vector<std::byte> SectionWriter::finish() && {
   return file;
 }
 
-Result<std::vector<Section>> read_sections(std::span<const std::byte> bytes, const std::string& name) {
-  const auto header = read_header(bytes, name);
-  if (!header) return tl::unexpected(header.error());
-  const auto records = read_table(bytes, *header, name);
-  if (!records) return tl::unexpected(records.error());
+std::uint64_t table_bytes(const FileHeader& header) {
+  return sizeof header + std::uint64_t{header.section_count} * sizeof(SectionRecord);
+}
 
+Result<std::vector<SectionRecord>> read_section_table(std::span<const std::byte> head,
+                                                      std::uint64_t file_bytes, const std::string& name) {
+  const auto header = read_header(head, file_bytes, name);
+  if (!header) return tl::unexpected(header.error());
+  auto records = read_table(head, *header, name);
+  if (!records) return records;
+  std::uint64_t end = table_bytes(*header);
+  for (const SectionRecord& record : *records) {
+    if (auto checked = check_record(record, align_up(end), file_bytes, name); !checked)
+      return tl::unexpected(checked.error());
+    end = record.offset + record.length;
+  }
+  if (end == file_bytes) return records;
+  return malformed(
+      name, fmt::format("byte {}: expected the end of the file, found {} bytes more", end, file_bytes - end));
+}
+
+Result<Section> check_section(const SectionRecord& record, std::span<const std::byte> bytes,
+                              const std::string& name) {
+  if (const std::uint64_t found = checksum_of(bytes); found != record.checksum) {
+    return malformed(name, fmt::format("section {}: expected checksum {:016x}, found {:016x}",
+                                       describe(record), record.checksum, found));
+  }
+  return Section{record, bytes};
+}
+
+Result<std::vector<Section>> read_sections(std::span<const std::byte> bytes, const std::string& name) {
+  const auto records = read_section_table(bytes, bytes.size(), name);
+  if (!records) return tl::unexpected(records.error());
   std::vector<Section> sections;
   std::uint64_t end = sizeof(FileHeader) + records->size() * sizeof(SectionRecord);
   for (const SectionRecord& record : *records) {
-    const std::uint64_t begin = align_up(end);
-    if (auto checked = check_record(record, begin, bytes.size(), name); !checked)
+    if (auto checked = check_padding(bytes, end, record.offset, name); !checked)
       return tl::unexpected(checked.error());
-    if (auto checked = check_padding(bytes, end, begin, name); !checked)
-      return tl::unexpected(checked.error());
-    const auto content = bytes.subspan(record.offset, record.length);
-    if (const std::uint64_t found = checksum_of(content); found != record.checksum) {
-      return malformed(name, fmt::format("section {}: expected checksum {:016x}, found {:016x}",
-                                         describe(record), record.checksum, found));
-    }
-    sections.push_back({record, content});
+    auto section = check_section(record, bytes.subspan(record.offset, record.length), name);
+    if (!section) return tl::unexpected(section.error());
+    sections.push_back(*section);
     end = record.offset + record.length;
-  }
-  if (end != bytes.size()) {
-    return malformed(name, fmt::format("byte {}: expected the end of the file, found {} bytes more", end,
-                                       bytes.size() - end));
   }
   return sections;
 }

@@ -74,6 +74,18 @@ class SectionWriter {
   std::vector<std::byte> body_;
 };
 
+/// Bytes of header and table of a file that begins with `header`.
+std::uint64_t table_bytes(const FileHeader& header);
+
+/// The table of a file of `file_bytes` bytes, of which `head` is the beginning, as far as table_bytes says: header, table and layout
+/// are verified. `name` is used in messages.
+Result<std::vector<SectionRecord>> read_section_table(std::span<const std::byte> head, std::uint64_t file_bytes,
+                                                      const std::string& name);
+
+/// Verifies the checksum of one section that was read.
+Result<Section> check_section(const SectionRecord& record, std::span<const std::byte> bytes,
+                              const std::string& name);
+
 /// Verifies header, table, layout (no holes, no overlaps, padding of zeros) and every checksum. `name` is
 /// used in messages.
 Result<std::vector<Section>> read_sections(std::span<const std::byte> bytes, const std::string& name);

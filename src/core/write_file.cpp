@@ -131,6 +131,11 @@ Result<void> write_file(const fs::path& file, std::span<const std::byte> bytes) 
 }
 
 Result<void> write_model(const Model& model, const fs::path& file) {
+  for (const System& system : model.systems) {
+    if (system.loaded) continue;
+    return fail(ErrorCode::usage, fmt::format("{}: expected a whole model, found system {} not loaded",
+                                              file.string(), system.name));
+  }
   try {
     return write_file(file, encode_model(model));
   } catch (const std::bad_alloc&) {

@@ -50,6 +50,7 @@ constexpr double kLargestCount = 4294967295.0;
 constexpr NumberKind kLength{"M", parse_number, kTiny, 1e12, false, "a length above 0 in metres"};
 constexpr NumberKind kShare{"E", parse_share, kTiny, 1e12, false, "a relative error above 0, as 0.01 or 1%"};
 constexpr NumberKind kAlbedo{"A", parse_number, kTiny, 0.9999, false, "a number above 0, at most 0.9999"};
+constexpr NumberKind kRadiosity{"LM/M2", parse_number, 0.0, 1e30, false, "a number of at least 0"};
 constexpr NumberKind kCount{"N", parse_number, 1.0, kLargestCount, true, "a whole number of at least 1"};
 constexpr NumberKind kCountOrZero{"N",           parse_number, 0.0,
                                   kLargestCount, true,         "a whole number of at least 0"};
@@ -193,6 +194,8 @@ class Parser {
         "How form factors are stored (default f32)");
     add_number(command, "--budget", options.budget, kCountOrZero,
                "Nodes of the cluster trees that 8 neighbouring rows keep (default 0: full rows)");
+    add_number(command, "--system-lumels", options.system_lumels, kCount,
+               "Systems of more lumels are split where little light crosses (default 65536)");
     add_number(command, "--max-albedo", options.max_albedo, kAlbedo,
                "Albedos above are clamped (default 0.95)");
     add_number(command, "--threads", options.threads, kCount, "Default: all");
@@ -210,6 +213,15 @@ class Parser {
     CLI::App& command = add_command("solve", "Relight: lightmaps, tables and pictures");
     add_path(command, "FILE", "", solve_.file, ".relume file")->required();
     add_path(command, "-o,--output", "DIR", solve_.output, "Folder for the results")->required();
+    command
+        .add_option_function<std::vector<std::string>>(
+            "--systems", [this](const std::vector<std::string>& names) { solve_.systems = names; },
+            "Load these systems alone; what the others would add is bounded")
+        ->type_name("NAME,NAME...")
+        ->delimiter(',')
+        ->allow_extra_args(false);
+    add_number(command, "--missing-radiosity", solve_.missing_radiosity, kRadiosity,
+               "The most that a surface of a system not loaded has (default: the most of those loaded)");
     add_lighting(command, solve_.lighting);
     add_solver(command, solve_.solver, true);
     add_choice(

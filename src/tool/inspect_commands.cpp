@@ -41,6 +41,7 @@ Result<int> run(const InfoArguments& arguments, Console& console) {
                           model->provenance.scene_file, model->provenance.tool,
                           model->provenance.ray_tracer));
   for (const std::string& line : summary_lines(summary)) console.say("  " + line);
+  for (const std::string& line : system_lines(*model)) console.say("  " + line);
   console.say(fmt::format(
       "  {}, {}, {}{}", counted(model->materials.size(), "material"), counted(model->nodes.size(), "node"),
       counted(model->lights.size(), "punctual light"), model->lit_by_rig ? " (the stated rig)" : ""));
@@ -71,6 +72,8 @@ Result<int> run(const CheckArguments& arguments, Console& console) {
           "{} + {} form factors: finite, not negative, columns ascending and in range, row sums up to {:.9f}",
           summary.bounce.nonzeros, summary.gather.nonzeros,
           std::max(summary.bounce.max_row_sum, summary.gather.max_row_sum)),
+      fmt::format("{} of cluster trees, {} of them above the systems: ranges, parts and areas",
+                  counted(summary.tree_nodes, "node"), summary.spanning_nodes),
       fmt::format("{}, {}, {}", counted(summary.occluder_triangles, "occluder triangle"),
                   counted(model->lights.size(), "light"), counted(summary.sky_patches, "sky patch"))};
   console.say(fmt::format("{}: passed", arguments.file.string()));

@@ -10,6 +10,8 @@
 namespace relume {
 namespace {
 
+const Rgb kWithoutLightmap(0.02);
+
 /// One primitive per node and system; triangles without a lightmap come as system kNone.
 using PrimitiveKey = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -37,12 +39,14 @@ class GlbBuilder {
         material.base_color_texture =
             GlbTexture{static_cast<std::uint32_t>(glb_.images.size()), 1, WrapMode::clamp_to_edge};
         glb_.images.push_back(std::move(*png));
+      } else {
+        material.base_color = kWithoutLightmap;
       }
       glb_.materials.push_back(std::move(material));
     }
     GlbMaterial blocker;
     blocker.name = "without lightmap";
-    blocker.base_color = Rgb(0.02);
+    blocker.base_color = kWithoutLightmap;
     blocker.unlit = true;
     glb_.materials.push_back(std::move(blocker));
     return {};

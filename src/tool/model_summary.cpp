@@ -69,7 +69,8 @@ ModelSummary summarise_model(const Model& model) {
     for (const Lumel& lumel : system.lumels) summary.invalid_lumels += (lumel.flags & kLumelInvalid) != 0;
     summary.systems.push_back(system_json(system, bounce, gather));
   }
-  summary.tree_nodes += model.sky_tree.size();
+  summary.tree_nodes += model.sky_tree.size() + model.top_tree.size();
+  summary.spanning_nodes = model.top_tree.size();
   summary.options = model.provenance.options;
   summary.bounce.columns =
       static_cast<std::uint32_t>(summary.clusters + summary.sky_patches + summary.tree_nodes);
@@ -87,6 +88,20 @@ std::vector<std::string> summary_lines(const ModelSummary& summary) {
           matrix_line("bounce", summary.bounce), matrix_line("gather", summary.gather)};
 }
 
+std::vector<std::string> system_lines(const Model& model) {
+  std::vector<std::string> lines;
+  for (const System& system : model.systems) {
+    if (model.systems.size() < 2) break;
+    MatrixSummary both = summarise(system.bounce);
+    add(both, summarise(system.gather));
+    lines.push_back(fmt::format("{}: {} + {} rows, {}, {} form factors, {:.1f} MB", system.name,
+                                system.clusters.size(), system.lumels.size() + system.sensors.size(),
+                                counted(system.imports.size(), "import"), both.nonzeros,
+                                1e-6 * static_cast<double>(both.bytes)));
+  }
+  return lines;
+}
+
 JsonObject summary_json(const ModelSummary& summary, std::uint64_t file_bytes) {
   return {{"systems", summary.systems.size()},
           {"clusters", summary.clusters},
@@ -96,6 +111,7 @@ JsonObject summary_json(const ModelSummary& summary, std::uint64_t file_bytes) {
           {"probes", 0},
           {"sky_patches", summary.sky_patches},
           {"tree_nodes", summary.tree_nodes},
+          {"spanning_nodes", summary.spanning_nodes},
           {"imports", summary.imports},
           {"options", summary.options},
           {"area", summary.area},

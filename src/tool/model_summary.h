@@ -21,9 +21,10 @@ struct ModelSummary {
   std::uint64_t invalid_lumels = 0;
   std::uint64_t sensors = 0;
   std::uint64_t sky_patches = 0;
-  std::uint64_t tree_nodes = 0;  ///< of all systems and the sky
-  std::uint64_t imports = 0;     ///< of all systems
-  std::string options;           ///< what the precompute was asked for: a JSON object
+  std::uint64_t tree_nodes = 0;      ///< of all systems, of the sky, and above the systems
+  std::uint64_t spanning_nodes = 0;  ///< those above the systems
+  std::uint64_t imports = 0;         ///< of all systems
+  std::string options;               ///< what the precompute was asked for: a JSON object
   std::uint64_t occluder_triangles = 0;
   double area = 0.0;  ///< m2, of all clusters
   MatrixSummary bounce;
@@ -37,6 +38,9 @@ ModelSummary summarise_model(const Model& model);
 
 /// For people.
 std::vector<std::string> summary_lines(const ModelSummary& summary);
+
+/// One line for each system, where there are several.
+std::vector<std::string> system_lines(const Model& model);
 
 /// The members that `info --json` promises: systems, clusters, lumels, sensors, probes, sky_patches, bounce,
 /// gather, file_bytes, geometry_hash.

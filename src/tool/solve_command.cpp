@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "core/model_file.h"
+#include "tool/missing_systems.h"
 #include "tool/solve_outputs.h"
 #include "tool/stopwatch.h"
 
@@ -22,7 +23,7 @@ void say_result(const SolveArguments& arguments, const SolveOutcome& outcome, co
 }
 
 JsonObject result_json(const LightingSetup& setup, const SolveOutcome& outcome, JsonObject seconds,
-                       const OutputFolder& folder) {
+                       const std::optional<MissingSystems>& missing, const OutputFolder& folder) {
   const Solution& solution = outcome.solution;
   return {{"device", outcome.device},
           {"method", "bounces"},
@@ -32,6 +33,7 @@ JsonObject result_json(const LightingSetup& setup, const SolveOutcome& outcome, 
           {"error_bound", solution.error_bound},
           {"rounding_bound", outcome.rounding_bound},
           {"lit_by_rig", setup.lit_by_rig},
+          {"missing_systems", missing_json(missing)},
           {"seconds", std::move(seconds)},
           {"files", json_array(folder.paths())}};
 }
@@ -41,7 +43,8 @@ JsonObject result_json(const LightingSetup& setup, const SolveOutcome& outcome, 
 Result<int> run(const SolveArguments& arguments, Console& console) {
   Stopwatch total;
   Stopwatch watch;
-  const Result<Model> model = read_model(arguments.file);
+  const Result<Model> model = arguments.systems.empty() ? read_model(arguments.file)
+                                                        : read_systems(arguments.file, arguments.systems);
   if (!model) return tl::unexpected(model.error());
   const double read_seconds = watch.lap();
   const Result<LightingSetup> setup = set_up_lighting(*model, arguments.lighting, console);
@@ -50,8 +53,15 @@ Result<int> run(const SolveArguments& arguments, Console& console) {
   const Result<SolveOutcome> outcome =
       solve(*model, setup->lighting, arguments.rule, arguments.solver, console);
   if (!outcome) return tl::unexpected(outcome.error());
-
   watch.lap();
+  const auto missing = bound_missing_light(*model, setup->lighting, *outcome, arguments.missing_radiosity,
+                                           arguments.rule, arguments.solver, console);
+  if (!missing) return tl::unexpected(missing.error());
+  const double missing_seconds = watch.lap();
+  if (*missing) {
+    console.warn(missing_sentence(**missing, model->systems.size(), arguments.missing_radiosity.has_value()));
+  }
+
   OutputFolder folder(arguments.output);
   const auto made = make_solve_outputs(*model, *setup, outcome->solution, outcome->gathered, folder, console);
   if (!made) return tl::unexpected(made.error());
@@ -59,11 +69,12 @@ Result<int> run(const SolveArguments& arguments, Console& console) {
 
   JsonObject seconds{{"read", read_seconds}, {"lighting", lighting_seconds}};
   for (const auto& member : outcome->seconds) seconds.push_back(member);
+  seconds.emplace_back("missing", missing_seconds);
   seconds.emplace_back("outputs", watch.lap());
   const double total_seconds = total.lap();
   seconds.emplace_back("total", total_seconds);
   say_result(arguments, *outcome, folder, total_seconds, console);
-  console.finish(result_json(*setup, *outcome, std::move(seconds), folder));
+  console.finish(result_json(*setup, *outcome, std::move(seconds), *missing, folder));
   return 0;
 }
 

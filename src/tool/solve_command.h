@@ -2,6 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "core/solve.h"
 #include "tool/console.h"
@@ -13,6 +16,8 @@ namespace relume {
 struct SolveArguments {
   std::filesystem::path file;
   std::filesystem::path output;
+  std::vector<std::string> systems;         ///< the only ones to load; empty: all
+  std::optional<double> missing_radiosity;  ///< lm/m2, the most that a surface of the others has
   LightingOptions lighting;
   SolverChoice solver;
   StopRule rule;

@@ -110,9 +110,6 @@ TEST(SolverLayout, SendersAreNumberedThrough) {
   const Model model = drawn_model({three, seventeen}, 5);
   const SolverLayout layout = layout_of(model);
   EXPECT_EQ(layout.systems[1].first_cluster, 3u);
-  EXPECT_EQ(leaf_range(model, layout, {0, 2}), (LeafRange{2, 1}));
-  EXPECT_EQ(leaf_range(model, layout, {1, 16}), (LeafRange{19, 1}));
-  EXPECT_EQ(leaf_range(model, layout, {kSkySystem, 4}), (LeafRange{24, 1}));
   EXPECT_EQ(layout.buffers[kRadiosityA].byte_size, 25u * 16u);
   EXPECT_EQ(layout.buffers[kAlbedo].byte_size, 20u * 16u);
 }
@@ -149,16 +146,6 @@ TEST(PassPlan, TilesAreNotTakenApart) {
   EXPECT_EQ(pass[1].cost, 64u);
   EXPECT_EQ(pass[2].range.first_row, 16u);
   EXPECT_EQ(pass[2].range.count, 4u);
-}
-
-TEST(SolverLayout, NodesAreRangesOfLeaves) {
-  const DrawnSystem three{{}, {{}, {}, {}}, {}};
-  Model model = drawn_model({three, three}, 5);
-  model.systems[1].tree = {{1, 2}};
-  model.sky_tree = {{0, 2}, {2, 3}};
-  const SolverLayout layout = layout_of(model);
-  EXPECT_EQ(leaf_range(model, layout, {1, 3}), (LeafRange{4, 2}));
-  EXPECT_EQ(leaf_range(model, layout, {kSkySystem, 6}), (LeafRange{8, 3}));
 }
 
 }  // namespace

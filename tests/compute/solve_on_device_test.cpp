@@ -182,6 +182,38 @@ TEST_F(SolveOnDevice, ANodeByHand) {
   EXPECT_EQ(solve(model, lighting, {1, 0.0}).irradiance[0], Rgb(1.25));
 }
 
+TEST_F(SolveOnDevice, NodesAboveTheSystemsAreTheMeansOfTheirParts) {
+  const Model model =
+      random_model({.nodes = 9, .spanning_nodes = 30}, 51, {ValueCodec::f32, kMaxBlockBytes, 8});
+  const Lighting lighting = random_lighting(model, 52);
+  EXPECT_TRUE(agrees_with_reference(solve(model, lighting, {30, 0.0}), model, lighting));
+}
+
+TEST_F(SolveOnDevice, SystemsThatAreNotLoadedAreBlack) {
+  const Model all = random_model({.nodes = 9, .spanning_nodes = 30}, 61);
+  for (std::size_t system = 0; system < all.systems.size(); ++system) {
+    const Model model = unloaded(all, system);
+    const Lighting lighting = random_lighting(model, 62 + system);
+    EXPECT_TRUE(agrees_with_reference(solve(model, lighting, {30, 0.0}), model, lighting)) << system;
+  }
+}
+
+// Two systems: clusters of 1 and 3 m2 that shine 8 and 4, and the node of both, of which the only row
+// receives a quarter of (8 + 3 x 4) / 4 = 5; without the second system, a quarter of 8 / 4. All of it is
+// exact.
+TEST_F(SolveOnDevice, ANodeAboveTheSystemsByHand) {
+  Model model = drawn_model({{{{kSpanningNodes, 0}}, {{0.0}}, {{0.25}}}, {{}, {{}}, {}}}, 0);
+  model.systems[0].clusters[0].area = 1.0f;
+  model.systems[1].clusters[0].area = 3.0f;
+  model.top_tree = {{0, 2}};
+  model.top_parts = {{{0, 0}, 1.0f}, {{1, 0}, 3.0f}};
+  Lighting lighting = uniform_lighting(2, Rgb(0.5), Rgb(8.0));
+  lighting.exitance[1] = Rgb(4.0);
+  EXPECT_EQ(solve(model, lighting, {1, 0.0}).irradiance[0], Rgb(1.25));
+  EXPECT_EQ(solve(unloaded(model, 1), uniform_lighting(1, Rgb(0.5), Rgb(8.0)), {1, 0.0}).irradiance[0],
+            Rgb(0.5));
+}
+
 TEST_F(SolveOnDevice, RandomModelsAgreeWithTheReference) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     Random random(seed);

@@ -7,6 +7,8 @@
 #include <span>
 #include <utility>
 
+#include "core/sender_leaves.h"
+
 namespace relume::test {
 namespace {
 
@@ -48,6 +50,21 @@ std::vector<TreeNode> random_tree(Random& random, std::uint32_t nodes, std::uint
   return tree;
 }
 
+void add_spanning_nodes(Random& random, std::uint32_t nodes, Model& model) {
+  const LeafNumbers numbers(model);
+  for (std::uint32_t i = 0; i < nodes; ++i) {
+    const auto first_part = static_cast<std::uint32_t>(model.top_parts.size());
+    for (std::uint32_t s = 0; s < model.systems.size(); ++s) {
+      if (s > 1 && random.below(3) == 0) continue;  // two parts at least
+      const System& system = model.systems[s];
+      const SenderRef sender{s, random.below(std::uint32_t(system.clusters.size() + system.tree.size()))};
+      const double area = numbers.weight_of(numbers.leaves_of(sender));
+      model.top_parts.push_back({sender, static_cast<float>(area)});
+    }
+    model.top_tree.push_back({first_part, static_cast<std::uint32_t>(model.top_parts.size()) - first_part});
+  }
+}
+
 DenseMatrix random_rows(Random& random, std::uint32_t rows, std::uint32_t columns, const RandomShape& shape) {
   DenseMatrix dense(rows, std::vector<double>(columns, 0.0));
   for (std::uint32_t row = 0; row < rows; ++row) {
@@ -74,6 +91,7 @@ std::vector<SenderRef> all_senders(const RandomShape& shape) {
   for (std::uint32_t system = 0; system < shape.clusters_of_system.size(); ++system)
     add(system, shape.clusters_of_system[system]);
   add(kSkySystem, shape.sky_patches);
+  for (std::uint32_t i = 0; i < shape.spanning_nodes; ++i) senders.push_back({kSpanningNodes, i});
   return senders;
 }
 
@@ -121,6 +139,15 @@ Model random_model(const RandomShape& shape, std::uint64_t seed, const Storage& 
     system.tree = random_tree(random, shape.nodes, static_cast<std::uint32_t>(system.clusters.size()));
   }
   model.sky_tree = random_tree(random, shape.nodes, shape.sky_patches);
+  add_spanning_nodes(random, shape.spanning_nodes, model);
+  return model;
+}
+
+Model unloaded(Model model, std::size_t system) {
+  const std::string name = model.systems[system].name;
+  model.systems[system] = {};
+  model.systems[system].name = name;
+  model.systems[system].loaded = false;
   return model;
 }
 

@@ -45,13 +45,18 @@ struct RandomShape {
   std::vector<std::uint32_t> clusters_of_system = {37, 1, 120, 64};
   std::uint32_t gather_rows = 90;  ///< per system
   std::uint32_t sky_patches = 11;
-  std::uint32_t nodes = 0;         ///< per system that has two clusters, and of the sky: ranges of any length
-  std::uint32_t row_entries = 40;  ///< at most; every seventh row is empty
+  std::uint32_t nodes = 0;  ///< per system that has two clusters, and of the sky: ranges of any length
+  std::uint32_t spanning_nodes = 0;  ///< above the systems: a random sender of each of some systems
+  std::uint32_t row_entries = 40;    ///< at most; every seventh row is empty
   double row_sum = 0.95;
 };
 
-/// Every system imports all clusters, nodes and sky patches, in shuffled order. Areas differ.
+/// Every system imports all clusters, nodes, sky patches and nodes above the systems, in shuffled order.
+/// Areas differ.
 Model random_model(const RandomShape& shape, std::uint64_t seed, const Storage& storage = {});
+
+/// The model as if `system` had not been loaded.
+Model unloaded(Model model, std::size_t system);
 
 /// Albedo up to 0.9, and different light in every channel, cluster and sky patch.
 Lighting random_lighting(const Model& model, std::uint64_t seed);

@@ -5,6 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+#include <utility>
+
+#include "precompute/coarsen_imports.h"
 #include "precompute/cut_rows.h"
 
 namespace relume::test {
@@ -50,6 +54,26 @@ TEST(ClusterTree, NoNodeMixesGroups) {
   const ClusterTree tree = tree_of_eight(4);
   EXPECT_EQ(tree.roots.size(), 4u);
   for (const auto root : tree.roots) EXPECT_EQ(tree.nodes[root].count, 2u);
+}
+
+TEST(ClusterTree, AboveThePartsNodesHoldWholeParts) {
+  // Part 1 lies at both ends of part 0 by its leaves, but right of it by its middle. Part 2 is far out.
+  std::vector<TreeLeaf> leaves{leaf_at(2, 0), leaf_at(1, 0), leaf_at(0, 0), leaf_at(6, 0), leaf_at(30, 0)};
+  leaves[2].part = leaves[3].part = 1;
+  leaves[4].part = 2;
+  const auto order = tree_order(leaves);
+  EXPECT_EQ(order, (std::vector<std::uint32_t>{1, 0, 2, 3, 4}));
+  std::vector<TreeLeaf> ordered;
+  for (const auto i : order) ordered.push_back(leaves[i]);
+  ClusterTree tree;
+  append_tree(ordered, 0, tree);
+  ASSERT_EQ(tree.roots.size(), 1u);
+  // After part 0 lie 2 m2 of 5, after part 1 more than half.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> inner;
+  for (const TreeNodeRange& node : tree.nodes) {
+    if (node.count > 1) inner.emplace_back(node.first, node.count);
+  }
+  EXPECT_EQ(inner, (std::vector<std::pair<std::uint32_t, std::uint32_t>>{{0, 5}, {0, 4}, {0, 2}, {2, 2}}));
 }
 
 /// Every probe shows the leaves of the tree with these radiosities, in one room of irradiance 1.
@@ -132,6 +156,48 @@ TEST(Cut, RowsOfATileShareNodesAndKeepTheirOwnSums) {
   EXPECT_FLOAT_EQ(second, 0.625f);
   ASSERT_EQ(tile.nodes.size(), 3u) << "leaves 0, 1 and 7";
   EXPECT_EQ(tile.values[0][2], 0.0f);
+}
+
+TEST(CoarsenImports, JoinsWhatWeighsLeastUntilTheRestFits) {
+  // Leaves 0 to 7 are all kept; the left half weighs little, most of it in the first quarter.
+  const ClusterTree tree = tree_of_eight();
+  const std::vector<double> leaf{0.3, 0.2, 0.05, 0.05, 1.0, 1.0, 1.0, 6.4};
+  std::vector<double> weight(tree.nodes.size(), -1.0);
+  for (std::size_t n = 0; n < weight.size(); ++n) {
+    if (tree.nodes[n].count == 1) weight[n] = leaf[tree.nodes[n].first];
+  }
+  const auto left = [&](std::size_t limit) {
+    const CoarserImports coarser = coarsen_imports(tree, weight, limit);
+    std::set<std::pair<std::uint32_t, std::uint32_t>> nodes;
+    for (std::size_t n = 0; n < weight.size(); ++n) {
+      const TreeNodeRange& node = tree.nodes[coarser.node[n]];
+      if (weight[n] >= 0.0) nodes.insert({node.first, node.count});
+    }
+    EXPECT_EQ(nodes.size(), coarser.count);
+    return std::pair(nodes, coarser.coarsened_share);
+  };
+  using Nodes = std::set<std::pair<std::uint32_t, std::uint32_t>>;
+  EXPECT_EQ(left(8).first, (Nodes{{0, 1}, {1, 1}, {2, 1}, {3, 1}, {4, 1}, {5, 1}, {6, 1}, {7, 1}}));
+  EXPECT_EQ(left(8).second, 0.0);
+  EXPECT_EQ(left(7).first, (Nodes{{0, 1}, {1, 1}, {2, 2}, {4, 1}, {5, 1}, {6, 1}, {7, 1}}));
+  EXPECT_NEAR(left(7).second, 0.01, 1e-12) << "0.1 of 10";
+  EXPECT_EQ(left(6).first, (Nodes{{0, 2}, {2, 2}, {4, 1}, {5, 1}, {6, 1}, {7, 1}}));
+  EXPECT_EQ(left(5).first, (Nodes{{0, 4}, {4, 1}, {5, 1}, {6, 1}, {7, 1}}));
+  EXPECT_EQ(left(1).first, (Nodes{{0, 8}}));
+}
+
+TEST(CoarsenImports, CannotGoAboveRoots) {
+  const ClusterTree tree = tree_of_eight(4);
+  const CoarserImports coarser = coarsen_imports(tree, std::vector<double>(tree.nodes.size(), 1.0), 3);
+  EXPECT_EQ(coarser.count, 4u);
+}
+
+TEST(SensorSystems, AreThoseThatTheySeeMostOf) {
+  SenderTree senders;
+  senders.places = {{0, 0}, {1, 0}, {1, 1}, {kSkySystem, 0}};
+  const std::vector<FormFactorRow> rows{
+      {{0, 1, 2}, {0.3f, 0.2f, 0.2f}}, {{0, 1, 3}, {0.3f, 0.2f, 0.5f}}, {{3}, {1.0f}}, {{}, {}}};
+  EXPECT_EQ(systems_of_sensors(senders, 2, rows), (std::vector<std::uint32_t>{1, 0, 0, 0}));
 }
 
 TEST(CutRows, MakesTilesOfNeighboursWithTheRestInTheLast) {

@@ -25,7 +25,7 @@ struct Surfaces {
       : geometry(make_geometry(scene)),
         caster(*make_caster(geometry)),
         charts(make_charts(scene, geometry, texel_size, warnings)),
-        layout(lay_out_systems(scene, geometry, charts)->front()),
+        layout(lay_out_systems(scene, geometry, charts, caster, {}, warnings)->front()),
         surface(make_elements(geometry, charts, layout, caster)),
         cluster(make_clusters(geometry, charts, layout, surface, caster, texel_sizes(scene, texel_size),
                               {cluster_size, 0.0, {}})) {}
@@ -218,7 +218,8 @@ TEST(Systems, FollowTheExtras) {
   const Geometry geometry = make_geometry(builder.scene());
   std::vector<std::string> warnings;
   const auto charts = make_charts(builder.scene(), geometry, 0.25, warnings);
-  const auto layouts = lay_out_systems(builder.scene(), geometry, charts);
+  const RayCaster caster = *RayCaster::create(geometry.positions, geometry.triangles);
+  const auto layouts = lay_out_systems(builder.scene(), geometry, charts, caster, {}, warnings);
   ASSERT_TRUE(layouts);
   ASSERT_EQ(layouts->size(), 2u);
   EXPECT_EQ((*layouts)[0].name, "east");

@@ -279,6 +279,50 @@ TEST(Files, ExportedMatrixHasTheRowsThatInfoCounts) {
               1e-12);
 }
 
+// A furnace: whatever is loaded, each surface would have M / (1 - albedo) if all of it were.
+TEST(Files, SystemsAloneSayWhatTheyLack) {
+  std::vector<std::string> options = kCoarse;
+  options.insert(options.end(), {"--system-lumels", "250"});
+  const Precomputed box = precomputed("furnace_box", options, "id,px,py,pz,nx,ny,nz\na,0.4,0.5,0.5,0,1,0\n");
+  const nlohmann::json info = relume_json({"info", box.file});
+  ASSERT_EQ(info.at("systems"), 3);
+  EXPECT_THAT(run_relume({"info", box.file}).out, HasSubstr("\n  system1: "));
+  EXPECT_TRUE(solve_json(box).at("missing_systems").is_null());
+  std::string header;
+  const double full =
+      std::stod(read_csv(box.folder / "result" / "clusters.csv", header).at(0).at("radiosity_r"));
+
+  std::string holder;
+  for (const nlohmann::json& system : info.at("system_list")) {
+    if (system.at("sensors") == 1) holder = system.at("name");
+  }
+  const nlohmann::json solved = solve_json(
+      box, {"--systems", holder, "--missing-radiosity", std::to_string(full), "--tolerance", "1e-6"});
+  const nlohmann::json& missing = solved.at("missing_systems");
+  EXPECT_EQ(missing.at("systems").size(), 2u);
+  EXPECT_NEAR(missing.at("assumed_radiosity").at(0).get<double>(), full, 1e-5);
+  // Of a wall that is loaded with one other or more, at most what is not loaded; of a cube's faces, 4 at
+  // least.
+  EXPECT_GT(missing.at("mean_share").get<double>(), 0.2);
+  EXPECT_LE(missing.at("largest_share").get<double>(), 1.0);
+  const auto sensor = read_csv(box.folder / "result" / "sensors.csv", header).at(0);
+  const double found = std::stod(sensor.at("indirect_r"));
+  const double lacking = missing.at("largest_irradiance").at(0);
+  EXPECT_LT(found, full);
+  EXPECT_GE(found + lacking, full * (1.0 - 1e-5));
+  EXPECT_LE(lacking, full * (1.0 + 1e-5));
+
+  const Finished warned = run_relume(
+      {"solve", box.file, "-o", box.folder / "part", "--device", "reference", "--systems", "system1"});
+  EXPECT_EQ(warned.status, 0);
+  EXPECT_THAT(warned.err, HasSubstr("2 of 3 systems are not loaded: "));
+  EXPECT_THAT(warned.err, HasSubstr("the most of those loaded"));
+  const Finished refused = run_relume(
+      {"solve", box.file, "-o", box.folder / "part", "--device", "reference", "--systems", "system1,hall"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("expected one of the systems system0, system1, system2, found 'hall'"));
+}
+
 TEST(Files, CtrlCStopsAPrecomputeAndLeavesNothing) {
   const std::filesystem::path folder = fresh_folder();
   const std::string scene = make_scene("demo", folder);

@@ -70,6 +70,19 @@ TEST(Furnace, BoxWhoseMaterialMayEmit) {
   expect_furnaces(box_room({0.5, 1.0}), 0.5);
 }
 
+TEST(Furnace, BoxInThreeSystems) {
+  Scene scene = box_room({});
+  for (std::size_t n = 0; n < scene.nodes.size(); ++n)
+    scene.nodes[n].extras.system = std::array{"x", "y", "z"}[n / 2];
+  for (const std::uint32_t budget : {0u, 24u}) {
+    PrecomputeOptions chosen = options(0.5);
+    chosen.budget = budget;
+    const Model model = precompute_or_throw(scene, chosen);
+    ASSERT_EQ(model.systems.size(), 3u);
+    for (const double albedo : {0.5, 0.9, 0.99}) expect_furnace(model, albedo, false);
+  }
+}
+
 TEST(Furnace, LShape) {
   expect_furnaces(l_room({}), 0.5);
 }

@@ -43,11 +43,12 @@ GatheredIrradiance solve_and_gather(const Model& model, const RunTimeLighting& l
 }
 
 std::vector<Rgb> at_sensors(const Model& model, const std::vector<Rgb>& gather_rows) {
-  std::vector<Rgb> values;
+  std::vector<Rgb> values(model.sensor_names.size());
   const auto offsets = gather_offsets(model);
   for (std::size_t s = 0; s < model.systems.size(); ++s) {
-    const auto first = gather_rows.begin() + offsets[s] + std::ptrdiff_t(model.systems[s].lumels.size());
-    values.insert(values.end(), first, gather_rows.begin() + offsets[s + 1]);
+    const System& system = model.systems[s];
+    for (std::size_t i = 0; i < system.sensors.size(); ++i)
+      values[system.sensors[i].name] = gather_rows[offsets[s] + system.lumels.size() + i];
   }
   return values;
 }
