@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "core/sky.h"
+#include "precompute/clearance.h"
 #include "precompute/direct_irradiance.h"
 #include "precompute/geometry.h"
 #include "precompute/mutual_visibility.h"
@@ -65,30 +66,32 @@ float free_distance(const Geometry& geometry, const RayCaster& caster, const Sur
 
 struct FreePlace {
   glm::vec3 position{0.0f}, down{0.0f};  ///< towards the surface that it hangs over
-  float room = 0.0f;                     ///< m, from surface to surface
+  float radius = 0.0f;                   ///< m, to the nearest surface
 };
 
-/// Over a surface with another one opposite that faces it, the wider the better of a few: not inside
+/// Over a surface with another one opposite that faces it, of a few the farthest from all: not inside
 /// geometry.
 FreePlace free_place(const Geometry& geometry, const RayCaster& caster, SurfaceDraw& draw) {
   FreePlace best;
   int found = 0;
-  for (int tries = 0; tries < 1000 && found < 8; ++tries) {
+  for (int tries = 0; tries < 1000 && found < 6; ++tries) {
     const SurfacePoint at = draw.next();
     const double share = 0.2 + 0.6 * draw.random();
     std::uint32_t triangle = 0;
     const float distance = free_distance(geometry, caster, at, at.normal, triangle);
     if (triangle != kNoTriangle && glm::dot(geometry.normals[triangle], at.normal) >= 0.0f) continue;
     const float room = std::min(distance, 0.25f * glm::length(geometry.upper - geometry.lower));
+    const glm::vec3 place = at.position + room * float(share) * at.normal;
+    const float radius = std::min(free_radius(caster, place), room);
     ++found;
-    if (room > best.room) best = {at.position + room * float(share) * at.normal, -at.normal, room};
+    if (radius > best.radius) best = {place, -at.normal, radius};
   }
   return best;
 }
 
 void add_lamp(const FreePlace& place, const glm::dvec3& origin, Scene& scene) {
   const glm::dvec3 centre = origin + glm::dvec3(place.position);
-  const double half = 0.03 * double(place.room);
+  const double half = 0.1 * double(place.radius);
   const auto material = std::uint32_t(scene.materials.size()), node = std::uint32_t(scene.nodes.size());
   SceneMaterial lamp;
   lamp.name = kLampName;
@@ -119,7 +122,7 @@ void add_lamp(const FreePlace& place, const glm::dvec3& origin, Scene& scene) {
 Light light_at(const FreePlace& place, const glm::dvec3& origin, LightType type) {
   Light light;
   light.type = type;
-  light.intensity = Rgb(100.0 * double(place.room) * double(place.room));
+  light.intensity = Rgb(1000.0 * double(place.radius) * double(place.radius));
   light.position = origin + glm::dvec3(place.position);
   light.direction = glm::dvec3(place.down);
   light.inner_cone_angle = 0.4, light.outer_cone_angle = 0.7;
@@ -161,7 +164,7 @@ Result<Lighting> test_lighting(const Model& model, const TestLight& light) {
       Rgb& exitance = lighting.exitance[next++];
       const bool is_lamp = cluster.material == std::uint32_t(lamp - model.materials.begin());
       if (!(light.lamp && is_lamp)) exitance = Rgb(0.0);
-      if (light.ambient && model.sky_cells.empty() && cluster.normal.y < -0.7f) exitance = Rgb(1000.0);
+      if (light.ambient && model.sky_cells.empty()) exitance = Rgb(1000.0);
     }
   }
   if (light.ambient)

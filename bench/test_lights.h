@@ -17,7 +17,7 @@ struct TestLight {
   std::string name;
   std::vector<Light> lights;
   bool lamp = false;     ///< the lamp that was added shines
-  bool ambient = false;  ///< the sky shines, and what faces down glows where none is seen
+  bool ambient = false;  ///< the sky shines, or all glows where none is seen
 };
 
 /// A scene with a small lamp of its own hung in free space, five lights, and sensors on its surfaces.

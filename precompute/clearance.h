@@ -14,4 +14,8 @@ namespace relume {
 std::vector<float> clearances(const Geometry& geometry, const RayCaster& caster,
                               const std::vector<Chart>& charts, const SystemSurface& surface);
 
+/// Distance from a point to the nearest surface that it sees, in many directions, m. Infinite where it sees
+/// none.
+float free_radius(const RayCaster& caster, const glm::vec3& position);
+
 }  // namespace relume

@@ -90,14 +90,19 @@ double root_mean_square(const std::vector<CutTile>& tiles) {
   return count > 0.0 ? std::sqrt(squares / count) : 0.0;
 }
 
-void estimate_errors(const TracedRows& rows, const Probing& probing, PrecomputeReport& report) {
-  double squares = 0.0, count = 0.0;
-  for (const SystemRows& system : rows.systems) {
-    for (const RowRays& rays : system.element_rays)
-      squares += double(rays.noise) * double(rays.noise), count += 1.0;
+void estimate_errors(const TracedRows& rows, const Surfaces& surfaces, const Probing& probing,
+                     PrecomputeReport& report) {
+  double squares = 0.0, area = 0.0;
+  for (std::size_t s = 0; s < rows.systems.size(); ++s) {
+    for (std::size_t e = 0; e < rows.systems[s].element_rays.size(); ++e) {
+      const double noise = rows.systems[s].element_rays[e].noise,
+                   own = surfaces.systems[s].surface.elements[e].area;
+      squares += own * noise * noise;
+      area += own;
+    }
   }
   report.error.clusters = probing.cluster_error;
-  report.error.rays = count > 0.0 ? std::sqrt(squares / count) : 0.0;
+  report.error.rays = area > 0.0 ? std::sqrt(squares / area) : 0.0;
   for (const SystemTiles& tiles : rows.tiles)
     report.error.cut = std::max(report.error.cut, root_mean_square(tiles.lumels));
 }
@@ -146,8 +151,7 @@ Result<void> prepare(const Scene& scene, const PrecomputeOptions& options, const
     if (!surveyed) return tl::unexpected(surveyed.error());
     prepared->senders = std::move(surveyed->senders);
     prepared->probing = std::move(surveyed->probing);
-    const double excess =
-        prepared->probing->cluster_error / std::max(kClusterShare * options.error, 1e-9);
+    const double excess = prepared->probing->cluster_error / std::max(kClusterShare * options.error, 1e-9);
     if (share <= 0.0 || excess <= kEnough || attempt == kMostAttempts) return {};
     share *= std::max(0.4, 1.0 / excess);
   }
@@ -157,6 +161,9 @@ void allocate_rays(const Surfaces& surfaces, const PrecomputeOptions& options, c
                    RowCounts& counts, RowPlan& plan) {
   plan.lumels.probing = plan.sensors.probing = prepared.known();
   if (!plan.adaptive) return;
+  std::size_t elements = 0;
+  for (const ClusteredSurface& system : surfaces.systems) elements += system.surface.elements.size();
+  plan.lumels.area = plan.sensors.area = surfaces.geometry.area / double(elements);
   plan.lumels.exchange = find_exchange(prepared.rows, surfaces.charts, surfaces.systems, plan.lumels,
                                        kRayShare * options.error, counts);
   if (plan.sensors.least < plan.sensors.rays) plan.sensors.exchange = plan.lumels.exchange;
@@ -193,7 +200,7 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   report.rays = counts.rays;
   report.occlusion_rays += counts.occlusion_rays;
   report.seconds_rays = seconds_since(rays_start);
-  if (plan.cut) estimate_errors(*rows, *prepared->probing, report);
+  if (plan.cut) estimate_errors(*rows, *surfaces, *prepared->probing, report);
 
   const auto rows_start = std::chrono::steady_clock::now();
   if (observer && !observer("rows", 0.0))

@@ -12,6 +12,7 @@
 
 #include "core/quantities.h"
 #include "core/sky.h"
+#include "precompute/clearance.h"
 #include "precompute/sampling.h"
 
 namespace relume {
@@ -113,6 +114,7 @@ class Prober {
  private:
   void light();
   void light_room(std::uint32_t room, std::size_t probe);
+  glm::vec3 free_place(const ProbedRoom& room, Dice& dice) const;
   void point_light(const ProbedRoom& room, Dice& dice, std::size_t probe);
   void glowing_patch(const ProbedRoom& room, Dice& dice, std::size_t probe);
   /// Those of one material, by turns; false when there are none.
@@ -168,18 +170,31 @@ void Prober::light_room(std::uint32_t index, std::size_t probe) {
   }
 }
 
+/// Where a lamp may hang: of a few places the one that is farthest from all surfaces.
+glm::vec3 Prober::free_place(const ProbedRoom& room, Dice& dice) const {
+  constexpr int kTries = 4;
+  glm::vec3 best(0.0f);
+  float radius = -1.0f;
+  for (int attempt = 0; attempt < kTries; ++attempt) {
+    const SurfacePoint& under = clusters_[room.choose(dice.next())].at;
+    const glm::vec3 start = under.position + scene_.geometry.offset * under.normal;
+    RayPacket up{};
+    up.far.fill(-1.0f);
+    up.origin_x[0] = start.x, up.origin_y[0] = start.y, up.origin_z[0] = start.z;
+    up.direction_x[0] = under.normal.x, up.direction_y[0] = under.normal.y,
+    up.direction_z[0] = under.normal.z;
+    const float most = std::sqrt(room.area());
+    up.far[0] = most;
+    scene_.caster.closest_hits(up);
+    const glm::vec3 place = start + std::min(up.far[0], most) * (0.1f + 0.8f * dice.next()) * under.normal;
+    const float free = std::min(free_radius(scene_.caster, place), most);
+    if (free > radius) best = place, radius = free;
+  }
+  return best;
+}
+
 void Prober::point_light(const ProbedRoom& room, Dice& dice, std::size_t probe) {
-  const SurfacePoint& under = clusters_[room.choose(dice.next())].at;
-  const glm::vec3 start = under.position + scene_.geometry.offset * under.normal;
-  RayPacket up{};
-  up.far.fill(-1.0f);
-  up.origin_x[0] = start.x, up.origin_y[0] = start.y, up.origin_z[0] = start.z;
-  up.direction_x[0] = under.normal.x, up.direction_y[0] = under.normal.y, up.direction_z[0] = under.normal.z;
-  const float most = std::sqrt(room.area());
-  up.far[0] = most;
-  scene_.caster.closest_hits(up);
-  const float height = std::min(up.far[0], most) * (0.1f + 0.8f * dice.next());
-  const glm::vec3 position = start + height * under.normal;
+  const glm::vec3 position = free_place(room, dice);
   // As much flux as would give the room one lux.
   const float intensity = room.area() / float(4.0 * kPi);
   tbb::parallel_for(std::size_t{0}, clusters_.size(), [&](std::size_t c) {

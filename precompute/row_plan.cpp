@@ -18,7 +18,7 @@ constexpr double kClearanceShare = 1.2;
 constexpr double kCoarseCodesFrom = 0.02;
 
 RayLimits fixed(std::uint32_t rays) {
-  return {rays, rays, 0.0, nullptr};
+  return {rays, rays, 0.0, 0.0, nullptr};
 }
 
 }  // namespace
@@ -31,11 +31,11 @@ RowPlan plan_rows(const PrecomputeOptions& options, const Scene& scene) {
     plan.clearance_share = kClearanceShare * std::sqrt(options.error);
   plan.adaptive = target && options.quality == 0;
   const std::uint32_t quality = options.quality > 0 ? options.quality : kQuality;
-  plan.lumels = plan.adaptive ? RayLimits{kMostRays, kLeastRays, 0.0, nullptr} : fixed(quality);
+  plan.lumels = plan.adaptive ? RayLimits{kMostRays, kLeastRays, 0.0, 0.0, nullptr} : fixed(quality);
   if (options.sensor_quality > 0) {
     plan.sensors = fixed(options.sensor_quality);
   } else if (plan.adaptive) {
-    plan.sensors = {kMostSensorRays, kLeastSensorRays, 0.0, nullptr};
+    plan.sensors = {kMostSensorRays, kLeastSensorRays, 0.0, 0.0, nullptr};
   } else {
     plan.sensors = fixed(std::min(kMaxQuality, std::max(kMinSensorQuality, kSensorQualities * quality)));
   }

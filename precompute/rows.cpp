@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/quantities.h"
 #include "precompute/adaptive_row.h"
 #include "precompute/progress.h"
 
@@ -47,6 +48,16 @@ std::uint32_t first_stage(const RayLimits& limits) {
   return limits.exchange > 0.0 ? limits.least / 2 : limits.rays;
 }
 
+/// What the noise of receivers counts; points count as elements of average area.
+double area_weight(std::span<const Receiver> receivers, const RayLimits& limits) {
+  double sum = 0.0;
+  for (const Receiver& receiver : receivers) {
+    const double area = kPi * double(receiver.radius()) * double(receiver.radius());
+    sum += area > 0.0 ? area / limits.area : 1.0;
+  }
+  return sum / double(receivers.size());
+}
+
 /// Rows of receivers that lie side by side, with as many rays each as all of them together ask for.
 std::vector<TracedRow> trace_neighbours(std::span<const Receiver> receivers, const SobolPoints& points,
                                         const RayLimits& limits, Worker& worker, RowRays& rays) {
@@ -64,8 +75,9 @@ std::vector<TracedRow> trace_neighbours(std::span<const Receiver> receivers, con
                       worker.tracer.trace(receiver, points, {rays.count / 2, rays.count / 2})});
   }
   rays.noise = float(row_noise(*limits.probing, halves));
+  const double weight = area_weight(receivers, limits);
   const auto worth_more = [&] {
-    return double(rays.noise) * double(rays.noise) > limits.exchange * double(rays.count);
+    return weight * double(rays.noise) * double(rays.noise) > limits.exchange * double(rays.count);
   };
   while (worth_more() && 2 * rays.count <= limits.rays) {
     for (std::size_t i = 0; i < receivers.size(); ++i) {
@@ -128,7 +140,7 @@ class NodePoints {
   }
   RayLimits limits(std::uint32_t node) const {
     const std::uint32_t quality = node_quality_[node];
-    return quality > 0 ? RayLimits{quality, quality, 0.0, nullptr} : limits_;
+    return quality > 0 ? RayLimits{quality, quality, 0.0, 0.0, nullptr} : limits_;
   }
   const SobolPoints& points(std::uint32_t node) const {
     return node_quality_[node] > 0 ? own_.at(node_quality_[node]) : points_;
@@ -201,7 +213,7 @@ Result<std::vector<FormFactorRow>> trace_survey(const RowScene& scene, const std
     tbb::parallel_for(std::uint32_t{0}, system.cluster_count, [&](std::uint32_t c) {
       if (progress.cancelled()) return;
       const auto share = std::bit_floor(kSurveyRays / std::uint32_t(members[c].size()));
-      const RayLimits limits{std::max(kSurveyElementRays, share), 0, 0.0, nullptr};
+      const RayLimits limits{std::max(kSurveyElementRays, share), 0, 0.0, 0.0, nullptr};
       Worker& worker = workers.local();
       RowRays rays;
       const auto traced = trace_neighbours(receivers_of(scene, {charts, system, none}, members[c]), points,
@@ -217,17 +229,25 @@ Result<std::vector<FormFactorRow>> trace_survey(const RowScene& scene, const std
 
 namespace {
 
-/// Mean square of the noise of rows that had `pilot` rays each, with as many as the exchange gives them.
-double noise_at(const std::vector<double>& squared_noise, const RayLimits& limits, std::uint32_t pilot,
+/// Rows of one cluster as a pilot found them.
+struct PilotRows {
+  double squared_noise = 0.0;
+  double weight = 0.0;  ///< of each element, by area
+  double elements = 0.0;
+};
+
+/// Mean square of the noise of all rows that had `pilot` rays each, with as many as the exchange gives them.
+double noise_at(const std::vector<PilotRows>& rows, const RayLimits& limits, std::uint32_t pilot,
                 double exchange) {
-  double sum = 0.0;
-  for (const double square : squared_noise) {
+  double sum = 0.0, weights = 0.0;
+  for (const PilotRows& row : rows) {
     std::uint32_t rays = limits.least;
-    const auto squared = [&] { return square * std::pow(double(pilot) / double(rays), 1.5); };
-    while (squared() > exchange * double(rays) && 2 * rays <= limits.rays) rays *= 2;
-    sum += squared();
+    const auto squared = [&] { return row.squared_noise * std::pow(double(pilot) / double(rays), 1.5); };
+    while (row.weight * squared() > exchange * double(rays) && 2 * rays <= limits.rays) rays *= 2;
+    sum += row.elements * row.weight * squared();
+    weights += row.elements * row.weight;
   }
-  return sum / double(std::max<std::size_t>(squared_noise.size(), 1));
+  return weights > 0.0 ? sum / weights : 0.0;
 }
 
 }  // namespace
@@ -238,26 +258,27 @@ double find_exchange(const RowScene& scene, const std::vector<Chart>& charts,
   constexpr std::uint32_t kPilotRays = 256;
   const std::uint32_t step = scene.cluster_count / kPilotClusters + 1;
   const SobolPoints points(kPilotRays, kPilotRays / 2);
-  const RayLimits pilot{kPilotRays, kPilotRays, 1e-30, limits.probing};
+  const RayLimits pilot{kPilotRays, kPilotRays, 1e-30, limits.area, limits.probing};
   Workers workers([&] { return Worker(scene); });
-  std::vector<double> squared_noise(scene.cluster_count, -1.0);
+  std::vector<PilotRows> found(scene.cluster_count);
   for (const ClusteredSurface& system : systems) {
     const std::vector<bool> none(system.surface.elements.size(), false);
     const auto members = members_of_clusters(system);
     tbb::parallel_for(std::uint32_t{0}, system.cluster_count, [&](std::uint32_t c) {
       if ((system.first_cluster + c) % step != 0) return;
       RowRays rays;
-      trace_neighbours(receivers_of(scene, {charts, system, none}, members[c]), points, pilot,
-                       workers.local(), rays);
-      squared_noise[system.first_cluster + c] = double(rays.noise) * double(rays.noise);
+      const auto receivers = receivers_of(scene, {charts, system, none}, members[c]);
+      trace_neighbours(receivers, points, pilot, workers.local(), rays);
+      found[system.first_cluster + c] = {double(rays.noise) * double(rays.noise),
+                                         area_weight(receivers, limits), double(members[c].size())};
     });
   }
   add_counts(workers, counts);
-  std::erase_if(squared_noise, [](double square) { return square < 0.0; });
+  std::erase_if(found, [](const PilotRows& rows) { return rows.elements == 0.0; });
   double low = 1e-16, high = 1.0;
   for (int k = 0; k < 60; ++k) {
     const double middle = std::sqrt(low * high);
-    (noise_at(squared_noise, limits, kPilotRays, middle) > noise * noise ? high : low) = middle;
+    (noise_at(found, limits, kPilotRays, middle) > noise * noise ? high : low) = middle;
   }
   return low;
 }

@@ -29,6 +29,7 @@ struct RayLimits {
   std::uint32_t least = 512;  ///< to begin with
   double exchange = 0.0;      ///< above 0: doubled while the square of the noise of a cluster's elements
                               ///< together, divided by the rays of each, is larger; 0: `rays` at once
+  double area = 0.0;          ///< m2, of elements on average: noise counts by area
   const Probing* probing = nullptr;  ///< needed with an exchange
 };
 
