@@ -69,13 +69,14 @@ struct FreePlace {
   float radius = 0.0f;                   ///< m, to the nearest surface
 };
 
-/// Over a surface with another one opposite that faces it, of a few the farthest from all: not inside
-/// geometry.
+/// Over what faces up, where anything does, with something opposite that faces it; of a few the farthest from
+/// all: not inside geometry.
 FreePlace free_place(const Geometry& geometry, const RayCaster& caster, SurfaceDraw& draw) {
   FreePlace best;
   int found = 0;
-  for (int tries = 0; tries < 1000 && found < 6; ++tries) {
+  for (int tries = 0; tries < 2000 && found < 6; ++tries) {
     const SurfacePoint at = draw.next();
+    if (at.normal.y < 0.7f && tries < 500) continue;
     const double share = 0.2 + 0.6 * draw.random();
     std::uint32_t triangle = 0;
     const float distance = free_distance(geometry, caster, at, at.normal, triangle);

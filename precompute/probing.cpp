@@ -13,6 +13,7 @@
 #include "core/quantities.h"
 #include "core/sky.h"
 #include "precompute/clearance.h"
+#include "precompute/rows.h"
 #include "precompute/sampling.h"
 
 namespace relume {
@@ -81,8 +82,11 @@ std::vector<ProbedCluster> clusters_of(const ProbedScene& scene) {
 /// Makes the lightings and follows their light.
 class Prober {
  public:
-  Prober(const ProbedScene& scene, const std::vector<FormFactorRow>& rows, std::vector<std::uint32_t> rooms)
-      : scene_(scene), rows_(rows), clusters_(clusters_of(scene)) {
+  Prober(const ProbedScene& scene, const SurveyRows& rows, std::vector<std::uint32_t> rooms)
+      : scene_(scene),
+        halves_(rows),
+        rows_(mean_rows(rows, scene.senders.weights.size())),
+        clusters_(clusters_of(scene)) {
     result_.rooms = std::move(rooms);
     result_.senders.assign(scene.senders.weights.size(), ProbeValues{});
     for (std::uint32_t c = 0; c < clusters_.size(); ++c) {
@@ -125,7 +129,9 @@ class Prober {
   }
   void bounce();
   void weigh();
-  std::vector<ProbeValues> irradiance(const std::vector<ProbeValues>& senders) const;
+  static std::vector<ProbeValues> irradiance(const std::vector<FormFactorRow>& rows,
+                                             const std::vector<ProbeValues>& senders);
+  double cluster_error() const;
   std::vector<ProbeValues> node_means(const std::vector<ProbeValues>& senders) const;
   /// Senders with the mean of up to four neighbours each, as a model of clusters of twice the size would have
   /// them.
@@ -134,7 +140,8 @@ class Prober {
   std::vector<ProbeValues> room_means(const std::vector<ProbeValues>& clusters) const;
 
   const ProbedScene& scene_;
-  const std::vector<FormFactorRow>& rows_;
+  const SurveyRows& halves_;
+  std::vector<FormFactorRow> rows_;
   std::vector<ProbedCluster> clusters_;
   std::vector<ProbedRoom> rooms_;
   float least_lit_area_ = 0.0f;
@@ -247,12 +254,13 @@ void Prober::sky(std::size_t probe) {
   }
 }
 
-std::vector<ProbeValues> Prober::irradiance(const std::vector<ProbeValues>& senders) const {
-  std::vector<ProbeValues> sums(rows_.size(), ProbeValues{});
-  tbb::parallel_for(std::size_t{0}, rows_.size(), [&](std::size_t r) {
-    for (std::size_t i = 0; i < rows_[r].senders.size(); ++i) {
-      const ProbeValues& from = senders[rows_[r].senders[i]];
-      for (std::size_t p = 0; p < kProbes; ++p) sums[r][p] += rows_[r].values[i] * from[p];
+std::vector<ProbeValues> Prober::irradiance(const std::vector<FormFactorRow>& rows,
+                                            const std::vector<ProbeValues>& senders) {
+  std::vector<ProbeValues> sums(rows.size(), ProbeValues{});
+  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t r) {
+    for (std::size_t i = 0; i < rows[r].senders.size(); ++i) {
+      const ProbeValues& from = senders[rows[r].senders[i]];
+      for (std::size_t p = 0; p < kProbes; ++p) sums[r][p] += rows[r].values[i] * from[p];
     }
   });
   return sums;
@@ -261,7 +269,7 @@ std::vector<ProbeValues> Prober::irradiance(const std::vector<ProbeValues>& send
 void Prober::bounce() {
   for (int k = 0; k <= kBounces; ++k) {
     const std::vector<ProbeValues> indirect =
-        k == 0 ? std::vector<ProbeValues>(rows_.size(), ProbeValues{}) : irradiance(result_.senders);
+        k == 0 ? std::vector<ProbeValues>(rows_.size(), ProbeValues{}) : irradiance(rows_, result_.senders);
     for (std::size_t c = 0; c < clusters_.size(); ++c) {
       for (std::size_t p = 0; p < kProbes; ++p) {
         result_.senders[c][p] =
@@ -284,7 +292,7 @@ std::vector<ProbeValues> Prober::room_means(const std::vector<ProbeValues>& clus
 }
 
 void Prober::weigh() {
-  const std::vector<ProbeValues> means = room_means(irradiance(result_.senders));
+  const std::vector<ProbeValues> means = room_means(irradiance(rows_, result_.senders));
   ProbeValues brightest{};
   for (const ProbeValues& mean : means) {
     for (std::size_t p = 0; p < kProbes; ++p) brightest[p] = std::max(brightest[p], mean[p]);
@@ -296,6 +304,10 @@ void Prober::weigh() {
       if (least > 0.0f) result_.weights[room][p] = 1.0f / std::max(means[room][p], least);
     }
   }
+  result_.cluster_error = cluster_error();
+}
+
+double Prober::cluster_error() const {
   // What emits is known by its cluster; only reflected light is smeared.
   std::vector<ProbeValues> reflected(result_.senders.size(), ProbeValues{});
   for (std::size_t c = 0; c < clusters_.size(); ++c) {
@@ -305,19 +317,23 @@ void Prober::weigh() {
   for (std::size_t i = 0; i < change.size(); ++i) {
     for (std::size_t p = 0; p < kProbes; ++p) change[i][p] -= reflected[i][p];
   }
-  const std::vector<ProbeValues> errors = room_means(irradiance(change));
+  const std::vector<ProbeValues> first = irradiance(halves_.first, change),
+                                 second = irradiance(halves_.second, change);
   double worst = 0.0;
   for (std::size_t room = 0; room < rooms_.size(); ++room) {
     if (rooms_[room].area() < least_lit_area_) continue;
     double sum = 0.0;
-    for (std::size_t p = 0; p < kProbes; ++p) {
-      const double error = double(errors[room][p]) * double(result_.weights[room][p]);
-      sum += error * error / kProbes;
+    for (const auto c : rooms_[room].clusters) {
+      const double share = double(clusters_[c].area / rooms_[room].area()) / double(kProbes);
+      for (std::size_t p = 0; p < kProbes; ++p) {
+        const double weight = double(result_.weights[room][p]);
+        sum += share * weight * weight * double(first[c][p]) * double(second[c][p]);
+      }
     }
-    worst = std::max(worst, std::sqrt(sum));
+    worst = std::max(worst, std::sqrt(std::max(sum, 0.0)));
   }
   // From twice the size down to this one: of second order in the size, a third of the change is left.
-  result_.cluster_error = worst / 3.0;
+  return worst / 3.0;
 }
 
 std::vector<ProbeValues> Prober::node_means(const std::vector<ProbeValues>& senders) const {
@@ -362,8 +378,7 @@ std::vector<ProbeValues> Prober::coarser(const std::vector<ProbeValues>& senders
 
 }  // namespace
 
-Probing probe(const ProbedScene& scene, const std::vector<FormFactorRow>& rows,
-              std::vector<std::uint32_t> rooms) {
+Probing probe(const ProbedScene& scene, const SurveyRows& rows, std::vector<std::uint32_t> rooms) {
   return Prober(scene, rows, std::move(rooms)).run();
 }
 

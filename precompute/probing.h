@@ -16,6 +16,8 @@
 
 namespace relume {
 
+struct SurveyRows;
+
 /// So many lightings at once, one channel each.
 inline constexpr std::size_t kProbes = 16;
 using ProbeValues = std::array<float, kProbes>;
@@ -43,8 +45,8 @@ struct ProbedScene {
 
 /// Each room (`rooms` per cluster) is lit by turns by point lights in its free space, by its possible
 /// emitters, by patches of its surface, by the sky and by its neighbours only; materials take albedos by
-/// chance. `rows`: per cluster, of few rays. In the calling task arena; the same for any number of threads.
-Probing probe(const ProbedScene& scene, const std::vector<FormFactorRow>& rows,
-              std::vector<std::uint32_t> rooms);
+/// chance. `rows`: per cluster, of few rays; errors are products of what both halves find, so that noise
+/// cancels. In the calling task arena; the same for any number of threads.
+Probing probe(const ProbedScene& scene, const SurveyRows& rows, std::vector<std::uint32_t> rooms);
 
 }  // namespace relume

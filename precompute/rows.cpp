@@ -200,11 +200,12 @@ Result<SystemRows> trace_system(const RowScene& scene, const TracedSystem& syste
   return rows;
 }
 
-Result<std::vector<FormFactorRow>> trace_survey(const RowScene& scene, const std::vector<Chart>& charts,
-                                                const std::vector<ClusteredSurface>& systems,
-                                                RowCounts& counts, const ProgressObserver& observer) {
-  std::vector<FormFactorRow> rows(scene.cluster_count);
-  const SobolPoints points(kSurveyRays, kSurveyElementRays);
+Result<SurveyRows> trace_survey(const RowScene& scene, const std::vector<Chart>& charts,
+                                const std::vector<ClusteredSurface>& systems, RowCounts& counts,
+                                const ProgressObserver& observer) {
+  SurveyRows rows;
+  rows.first.resize(scene.cluster_count), rows.second.resize(scene.cluster_count);
+  const SobolPoints points(kSurveyRays, kSurveyElementRays / 2);
   Workers workers([&] { return Worker(scene); });
   Progress progress(observer, "survey", scene.cluster_count);
   for (const ClusteredSurface& system : systems) {
@@ -213,17 +214,33 @@ Result<std::vector<FormFactorRow>> trace_survey(const RowScene& scene, const std
     tbb::parallel_for(std::uint32_t{0}, system.cluster_count, [&](std::uint32_t c) {
       if (progress.cancelled()) return;
       const auto share = std::bit_floor(kSurveyRays / std::uint32_t(members[c].size()));
-      const RayLimits limits{std::max(kSurveyElementRays, share), 0, 0.0, 0.0, nullptr};
+      const std::uint32_t half = std::max(kSurveyElementRays, share) / 2;
       Worker& worker = workers.local();
-      RowRays rays;
-      const auto traced = trace_neighbours(receivers_of(scene, {charts, system, none}, members[c]), points,
-                                           limits, worker, rays);
-      rows[system.first_cluster + c] = cluster_row(system.surface, members[c], traced, worker.mean);
+      const auto receivers = receivers_of(scene, {charts, system, none}, members[c]);
+      for (const std::uint32_t begin : {0u, half}) {
+        std::vector<TracedRow> traced;
+        for (const Receiver& receiver : receivers)
+          traced.push_back(worker.tracer.trace(receiver, points, {begin, half}));
+        (begin == 0 ? rows.first : rows.second)[system.first_cluster + c] =
+            cluster_row(system.surface, members[c], traced, worker.mean);
+      }
       progress.one_done();
     });
   }
   if (progress.cancelled()) return fail(ErrorCode::cancelled, "stopped while looking around with few rays");
   add_counts(workers, counts);
+  return rows;
+}
+
+std::vector<FormFactorRow> mean_rows(const SurveyRows& halves, std::size_t senders) {
+  std::vector<FormFactorRow> rows(halves.first.size());
+  tbb::enumerable_thread_specific<RowMean> means([&] { return RowMean(senders); });
+  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t i) {
+    RowMean& mean = means.local();
+    mean.add(halves.first[i], 0.5);
+    mean.add(halves.second[i], 0.5);
+    rows[i] = mean.finish();
+  });
   return rows;
 }
 

@@ -65,9 +65,15 @@ Result<SystemRows> trace_system(const RowScene& scene, const TracedSystem& syste
                                 const ProgressObserver& observer, const RowsTaker& taker = {});
 
 /// Rows of clusters alone, of few rays: enough to see what lights what.
-Result<std::vector<FormFactorRow>> trace_survey(const RowScene& scene, const std::vector<Chart>& charts,
-                                                const std::vector<ClusteredSurface>& systems,
-                                                RowCounts& counts, const ProgressObserver& observer);
+struct SurveyRows {
+  std::vector<FormFactorRow> first, second;  ///< of half of the rays each
+};
+Result<SurveyRows> trace_survey(const RowScene& scene, const std::vector<Chart>& charts,
+                                const std::vector<ClusteredSurface>& systems, RowCounts& counts,
+                                const ProgressObserver& observer);
+
+/// Means of the rows of both.
+std::vector<FormFactorRow> mean_rows(const SurveyRows& halves, std::size_t senders);
 
 /// The exchange at which the noise of all lumels' rows together is `noise` (root mean square, relative to
 /// their rooms) for the fewest rays: where the next ray lessens it most, it goes. From a sample of clusters,

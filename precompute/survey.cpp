@@ -34,18 +34,21 @@ std::vector<T> reordered(std::vector<T> values, const std::vector<std::uint32_t>
 Result<Survey> survey(RowScene& scene, const std::vector<Chart>& charts,
                       std::vector<ClusteredSurface>& surfaces, SenderLookup& lookup, Emitters& emitters,
                       RowCounts& counts, const ProgressObserver& observer) {
-  auto rows = trace_survey(scene, charts, surfaces, counts, observer);
-  if (!rows) return tl::unexpected(rows.error());
-  std::vector<std::uint32_t> rooms = rooms_of(surfaces, *rows);
+  auto halves = trace_survey(scene, charts, surfaces, counts, observer);
+  if (!halves) return tl::unexpected(halves.error());
+  std::vector<std::uint32_t> rooms = rooms_of(surfaces, mean_rows(*halves, sender_count(scene)));
   std::vector<std::uint32_t> numbers;
   Survey result;
   result.senders = number_senders(emitters, rooms, scene.sky_resolution, surfaces, numbers);
-  renumber(numbers, *rows);
+  for (auto* rows : {&halves->first, &halves->second}) {
+    renumber(numbers, *rows);
+    *rows = reordered(std::move(*rows), numbers);
+  }
   renumber(numbers, emitters);
   lookup.renumber(numbers);
   for (std::uint32_t& sender : scene.sky_senders) sender = numbers[sender];
   const ProbedScene probed{scene.geometry, scene.caster, surfaces, emitters, result.senders, scene.seed};
-  result.probing = probe(probed, reordered(std::move(*rows), numbers), reordered(std::move(rooms), numbers));
+  result.probing = probe(probed, *halves, reordered(std::move(rooms), numbers));
   return result;
 }
 
