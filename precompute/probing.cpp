@@ -136,7 +136,7 @@ class Prober {
   /// Senders with the mean of up to four neighbours each, as a model of clusters of twice the size would have
   /// them.
   std::vector<ProbeValues> coarser(const std::vector<ProbeValues>& senders) const;
-  /// Root mean square over each room.
+  /// Mean over each room by area.
   std::vector<ProbeValues> room_means(const std::vector<ProbeValues>& clusters) const;
 
   const ProbedScene& scene_;
@@ -284,9 +284,8 @@ std::vector<ProbeValues> Prober::room_means(const std::vector<ProbeValues>& clus
   for (std::size_t room = 0; room < rooms_.size(); ++room) {
     for (const auto c : rooms_[room].clusters) {
       for (std::size_t p = 0; p < kProbes; ++p)
-        means[room][p] += clusters_[c].area / rooms_[room].area() * clusters[c][p] * clusters[c][p];
+        means[room][p] += clusters_[c].area / rooms_[room].area() * clusters[c][p];
     }
-    for (float& mean : means[room]) mean = std::sqrt(mean);
   }
   return means;
 }
@@ -332,8 +331,8 @@ double Prober::cluster_error() const {
     }
     worst = std::max(worst, std::sqrt(std::max(sum, 0.0)));
   }
-  // From twice the size down to this one: of second order in the size, a third of the change is left.
-  return worst / 3.0;
+  // From twice the size down to this one: of first to second order in the size, half of the change is left.
+  return worst / 2.0;
 }
 
 std::vector<ProbeValues> Prober::node_means(const std::vector<ProbeValues>& senders) const {
