@@ -7,10 +7,19 @@
 #include <queue>
 
 namespace relume {
+namespace {
+
+/// Of the noise of independent rays; those of a sequence that fills the hemisphere evenly have less.
+constexpr float kNoiseShare = 0.5f;
+/// Of what a node seems to hide, counts at least: where rays are few, noise hides what finer nodes would
+/// show.
+constexpr float kAtLeast = 0.1f;
+
+}  // namespace
 
 /// A node that may be refined, or a leaf.
 struct TileCutter::Candidate {
-  float squared_error = 0.0f;  ///< over rows and probes
+  float squared_error = 0.0f;  ///< mean over rows and probes
   std::uint32_t node = 0;
   std::size_t first = 0, last = 0;  ///< its leaves among those of the tile
   friend bool operator<(const Candidate& a, const Candidate& b) {
@@ -31,8 +40,8 @@ const ProbeValues& room_weights(const Probing& probing, const FormFactorRow& row
 TileCutter::TileCutter(const ClusterTree& tree, const Probing& probing)
     : tree_(tree), probing_(probing), seen_(probing.senders.size()), place_(probing.senders.size()) {}
 
-void TileCutter::unite(std::span<const FormFactorRow* const> rows) {
-  for (const FormFactorRow* row : rows) {
+void TileCutter::unite(const TileRows& tile) {
+  for (const FormFactorRow* row : tile.rows) {
     for (const auto sender : row->senders) seen_.insert(sender);
   }
   leaves_.clear();
@@ -40,30 +49,38 @@ void TileCutter::unite(std::span<const FormFactorRow* const> rows) {
     place_[sender] = std::uint32_t(leaves_.size());
     leaves_.push_back(sender);
   });
-  rows_ = rows.size();
+  rows_ = tile.rows.size();
   factors_.assign(leaves_.size() * rows_, 0.0f);
   for (std::size_t r = 0; r < rows_; ++r) {
-    for (std::size_t i = 0; i < rows[r]->senders.size(); ++i)
-      factors_[place_[rows[r]->senders[i]] * rows_ + r] = rows[r]->values[i];
+    const FormFactorRow& row = *tile.rows[r];
+    for (std::size_t i = 0; i < row.senders.size(); ++i)
+      factors_[place_[row.senders[i]] * rows_ + r] = row.values[i];
   }
 }
 
-void TileCutter::sum_up(std::span<const FormFactorRow* const> rows) {
+void TileCutter::sum_up(const TileRows& tile) {
+  weights_.clear();
+  for (const FormFactorRow* row : tile.rows) weights_.push_back(room_weights(probing_, *row));
+  rays_ = tile.rays;
   factor_sums_.assign(rows_, 0.0f);
   factor_sums_.resize((leaves_.size() + 1) * rows_);
   light_sums_.assign(rows_, ProbeValues{});
   light_sums_.resize((leaves_.size() + 1) * rows_);
+  noise_sums_.assign(1, ProbeValues{});
   for (std::size_t i = 0; i < leaves_.size(); ++i) {
     const ProbeValues& radiosity = probing_.senders[leaves_[i]];
+    noise_sums_.push_back(noise_sums_.back());
     for (std::size_t r = 0; r < rows_; ++r) {
       const std::size_t at = i * rows_ + r;
+      const float share = factors_[at] / rays_[r];
       factor_sums_[at + rows_] = factor_sums_[at] + factors_[at];
-      for (std::size_t p = 0; p < kProbes; ++p)
+      for (std::size_t p = 0; p < kProbes; ++p) {
         light_sums_[at + rows_][p] = light_sums_[at][p] + factors_[at] * radiosity[p];
+        const float weighted = weights_[r][p] * radiosity[p];
+        noise_sums_.back()[p] += share * weighted * weighted;
+      }
     }
   }
-  weights_.clear();
-  for (const FormFactorRow* row : rows) weights_.push_back(room_weights(probing_, *row));
   added_errors_.assign(rows_, ProbeValues{});
   squared_errors_ = 0.0;
 }
@@ -75,15 +92,20 @@ TileCutter::Candidate TileCutter::candidate(std::uint32_t node, std::size_t firs
                    std::size_t(std::lower_bound(begin, end, range.first + range.count) - leaves_.begin())};
   if (range.count == 1 || result.first == result.last) return result;
   const ProbeValues& mean = probing_.nodes[node];
+  float squared = 0.0f, noise = 0.0f;
+  for (std::size_t p = 0; p < kProbes; ++p)
+    noise += noise_sums_[result.last][p] - noise_sums_[result.first][p];
   for (std::size_t r = 0; r < rows_; ++r) {
     const std::size_t before = result.first * rows_ + r, after = result.last * rows_ + r;
     const float factor = factor_sums_[after] - factor_sums_[before];
     for (std::size_t p = 0; p < kProbes; ++p) {
-      const float error =
-          (light_sums_[after][p] - light_sums_[before][p] - factor * mean[p]) * weights_[r][p];
-      result.squared_error += error * error;
+      const float light = light_sums_[after][p] - light_sums_[before][p];
+      const float error = (light - factor * mean[p]) * weights_[r][p];
+      squared += error * error;
+      noise += mean[p] * (factor * mean[p] - 2.0f * light) * weights_[r][p] * weights_[r][p] / rays_[r];
     }
   }
+  result.squared_error = std::max(squared - kNoiseShare * noise, kAtLeast * squared) / float(rows_ * kProbes);
   return result;
 }
 
@@ -106,12 +128,11 @@ float TileCutter::tile_error() const {
   for (const ProbeValues& row : added_errors_) {
     for (const float error : row) added += error * error;
   }
-  return std::sqrt(std::max(float(squared_errors_), added) / float(rows_ * kProbes));
+  return std::max(float(squared_errors_), added / float(rows_ * kProbes));
 }
 
-CutTile TileCutter::cut(std::span<const FormFactorRow* const> rows, const CutLimits& limits) {
-  unite(rows);
-  sum_up(rows);
+template <class Stop>
+std::vector<TileCutter::Candidate> TileCutter::refine(Stop&& stop) {
   std::priority_queue<Candidate> open;
   std::vector<Candidate> kept;
   const auto push = [&](std::uint32_t node, std::size_t first, std::size_t last) {
@@ -123,9 +144,8 @@ CutTile TileCutter::cut(std::span<const FormFactorRow* const> rows, const CutLim
   };
   for (const auto root : tree_.roots) push(root, 0, leaves_.size());
   while (!open.empty() && open.top().squared_error > 0.0f) {
-    if (limits.budget > 0 ? open.size() + kept.size() >= limits.budget : tile_error() <= float(limits.error))
-      break;
     const Candidate worst = open.top();
+    if (stop(worst.squared_error, open.size() + kept.size())) break;
     open.pop();
     book(worst, -1.0f);
     const std::uint32_t left = tree_.nodes[worst.node].left;
@@ -133,16 +153,36 @@ CutTile TileCutter::cut(std::span<const FormFactorRow* const> rows, const CutLim
     push(left + 1, worst.first, worst.last);
   }
   for (; !open.empty(); open.pop()) kept.push_back(open.top());
-  return finish(std::move(kept), rows);
+  return kept;
 }
 
-CutTile TileCutter::finish(std::vector<Candidate> kept, std::span<const FormFactorRow* const> rows) const {
+CutTile TileCutter::cut(const TileRows& tile, const CutLimits& limits) {
+  unite(tile);
+  sum_up(tile);
+  const auto enough = float(limits.node_error * limits.node_error);
+  return finish(refine([&](float worst, std::size_t nodes) {
+    return limits.budget > 0 ? nodes >= limits.budget : worst <= enough;
+  }));
+}
+
+std::vector<CutStep> TileCutter::steps(const TileRows& tile) {
+  unite(tile);
+  sum_up(tile);
+  std::vector<CutStep> steps;
+  refine([&](float worst, std::size_t) {
+    steps.push_back({worst, tile_error()});
+    return false;
+  });
+  return steps;
+}
+
+CutTile TileCutter::finish(std::vector<Candidate> kept) const {
   std::sort(kept.begin(), kept.end(),
             [](const Candidate& a, const Candidate& b) { return a.first < b.first; });
   CutTile tile;
   for (const Candidate& c : kept) tile.nodes.push_back(c.node);
-  tile.values.resize(rows.size());
-  for (std::size_t r = 0; r < rows.size(); ++r) {
+  tile.values.resize(rows_);
+  for (std::size_t r = 0; r < rows_; ++r) {
     for (const Candidate& c : kept) {
       double sum = 0.0;
       for (std::size_t i = c.first; i < c.last; ++i) sum += double(factors_[i * rows_ + r]);

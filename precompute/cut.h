@@ -27,7 +27,19 @@ struct CutTile {
 struct CutLimits {
   std::uint32_t budget = 0;  ///< nodes per tile; 0 = as many as the error asks for. A tile that sees more
                              ///< roots than this keeps its roots.
-  double error = 0.0;        ///< refine until the estimate of the tile is no larger
+  double node_error = 0.0;   ///< without a budget: refine until no node's error is larger
+};
+
+/// Rows side by side that are to share one column list.
+struct TileRows {
+  std::vector<const FormFactorRow*> rows;
+  std::vector<float> rays;  ///< of each
+};
+
+/// How the error of a tile falls while it is refined: as long as a node's error is larger than `node`, the
+/// tile's is `tile`. Both squared, mean over rows and probes.
+struct CutStep {
+  float node = 0.0f, tile = 0.0f;
 };
 
 /// One per thread: holds the sums that a tile is cut by.
@@ -38,19 +50,26 @@ class TileCutter {
 
   /// Starts from the roots and refines the node whose mean radiosity, in place of those of its leaves,
   /// changes the irradiance of the rows most: sum_j F_j (b_j - b_n) for each row and probe, relative to the
-  /// irradiance of the room that the row lies in; errors of nodes count as independent, and as what they add
-  /// up to if that is more. Where all of a node looks alike it stays whole, however near it is.
-  CutTile cut(std::span<const FormFactorRow* const> rows, const CutLimits& limits);
+  /// irradiance of the room that the row lies in, root mean square, less what the noise of the rays alone
+  /// would make of it. Where all of a node looks alike it stays whole, however near it is.
+  CutTile cut(const TileRows& tile, const CutLimits& limits);
+
+  /// All refinements down to the leaves.
+  std::vector<CutStep> steps(const TileRows& tile);
 
  private:
   struct Candidate;
-  void unite(std::span<const FormFactorRow* const> rows);
-  void sum_up(std::span<const FormFactorRow* const> rows);
+  void unite(const TileRows& tile);
+  void sum_up(const TileRows& tile);
+  /// Refines until stop(error of the worst node, nodes) says so; returns what is kept.
+  template <class Stop>
+  std::vector<Candidate> refine(Stop&& stop);
   Candidate candidate(std::uint32_t node, std::size_t first, std::size_t last) const;
   /// Adds a node's errors to what the tile has so far, or (-1) takes them away.
   void book(const Candidate& candidate, float sign);
+  /// Squared: errors of nodes count as independent, and as what they add up to if that is more.
   float tile_error() const;
-  CutTile finish(std::vector<Candidate> kept, std::span<const FormFactorRow* const> rows) const;
+  CutTile finish(std::vector<Candidate> kept) const;
 
   const ClusterTree& tree_;
   const Probing& probing_;
@@ -58,10 +77,12 @@ class TileCutter {
   std::vector<std::uint32_t> leaves_;  ///< that any row of the tile sees, ascending
   std::vector<std::uint32_t> place_;   ///< per sender: in leaves_
   std::size_t rows_ = 0;
-  std::vector<float> factors_;             ///< [leaf][row]
-  std::vector<float> factor_sums_;         ///< [leaf][row]: of all leaves before
-  std::vector<ProbeValues> light_sums_;    ///< [leaf][row]: of form factor x radiosity of all leaves before
-  std::vector<ProbeValues> weights_;       ///< [row]
+  std::vector<float> factors_;           ///< [leaf][row]
+  std::vector<float> factor_sums_;       ///< [leaf][row]: of all leaves before
+  std::vector<ProbeValues> light_sums_;  ///< [leaf][row]: of form factor x radiosity of all leaves before
+  std::vector<ProbeValues> noise_sums_;  ///< [leaf]: of form factor x (weight x radiosity)^2 / rays over rows
+  std::vector<ProbeValues> weights_;     ///< [row]
+  std::vector<float> rays_;              ///< [row]
   std::vector<ProbeValues> added_errors_;  ///< [row]: of all nodes kept so far
   double squared_errors_ = 0.0;            ///< of all nodes kept so far, over rows and probes
 };

@@ -12,22 +12,25 @@ namespace {
 /// A row without budget asks for more than any with one.
 CutLimits tile_limits(std::span<const CutLimits> limits) {
   return *std::max_element(limits.begin(), limits.end(), [](const CutLimits& a, const CutLimits& b) {
+    if (a.budget == 0 && b.budget == 0) return a.node_error > b.node_error;
     return a.budget != 0 && (b.budget == 0 || a.budget < b.budget);
   });
 }
 
 }  // namespace
 
-std::vector<CutTile> cut_rows(const ClusterTree& tree, const Probing& probing,
-                              std::span<const FormFactorRow* const> rows, const TileCutOptions& options) {
-  std::vector<CutTile> tiles((rows.size() + options.rows - 1) / options.rows);
+std::vector<CutTile> cut_rows(const ClusterTree& tree, const Probing& probing, const TileRows& rows,
+                              const TileCutOptions& options) {
+  std::vector<CutTile> tiles((rows.rows.size() + options.rows - 1) / options.rows);
   tbb::enumerable_thread_specific<TileCutter> cutters([&] { return TileCutter(tree, probing); });
   tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t t) {
-    const std::size_t first = t * options.rows;
-    const auto part = rows.subspan(first, std::min<std::size_t>(options.rows, rows.size() - first));
-    const auto limits =
-        options.limits.size() == 1 ? options.limits : options.limits.subspan(first, part.size());
-    tiles[t] = cutters.local().cut(part, tile_limits(limits));
+    const std::size_t first = t * options.rows,
+                      count = std::min<std::size_t>(options.rows, rows.rows.size() - first);
+    const auto part = [&](const auto& all) {
+      return std::vector(all.begin() + std::ptrdiff_t(first), all.begin() + std::ptrdiff_t(first + count));
+    };
+    const auto limits = options.limits.size() == 1 ? options.limits : options.limits.subspan(first, count);
+    tiles[t] = cutters.local().cut({part(rows.rows), part(rows.rays)}, tile_limits(limits));
   });
   return tiles;
 }

@@ -14,6 +14,7 @@
 #include "precompute/assemble_model.h"
 #include "precompute/clearance.h"
 #include "precompute/lift_sensor.h"
+#include "precompute/pilot.h"
 #include "precompute/rig.h"
 #include "precompute/trace_rows.h"
 
@@ -157,15 +158,22 @@ Result<void> prepare(const Scene& scene, const PrecomputeOptions& options, const
   }
 }
 
-void allocate_rays(const Surfaces& surfaces, const PrecomputeOptions& options, const Preparation& prepared,
+/// What the error target leaves open in the plan, from a sample of rows.
+void follow_target(const Surfaces& surfaces, const PrecomputeOptions& options, const Preparation& prepared,
                    RowCounts& counts, RowPlan& plan) {
   plan.lumels.probing = plan.sensors.probing = prepared.known();
-  if (!plan.adaptive) return;
+  if (options.error <= 0.0) return;
   std::size_t elements = 0;
   for (const ClusteredSurface& system : surfaces.systems) elements += system.surface.elements.size();
   plan.lumels.area = plan.sensors.area = surfaces.geometry.area / double(elements);
-  plan.lumels.exchange = find_exchange(prepared.rows, surfaces.charts, surfaces.systems, plan.lumels,
-                                       kRayShare * options.error, counts);
+  const std::vector<PilotRows> pilot = trace_pilot(prepared.rows, surfaces.charts, surfaces.systems,
+                                                   *prepared.probing, plan.lumels.area, counts);
+  const double node_error =
+      find_node_error(pilot, prepared.senders.tree, *prepared.probing, kCutShare * options.error);
+  for (CutLimits& cut : plan.node_cuts) cut.node_error = node_error;
+  plan.sensor_cut.node_error = node_error;
+  if (!plan.adaptive) return;
+  plan.lumels.exchange = find_exchange(pilot, plan.lumels, kRayShare * options.error);
   if (plan.sensors.least < plan.sensors.rays) plan.sensors.exchange = plan.lumels.exchange;
 }
 
@@ -190,7 +198,7 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   report.seconds_surfaces = seconds_since(start);
 
   const auto rays_start = std::chrono::steady_clock::now();
-  allocate_rays(*surfaces, options, *prepared, counts, plan);
+  follow_target(*surfaces, options, *prepared, counts, plan);
   std::vector<SurfacePoint> sensor_points;
   for (const SensorPoint& sensor : options.sensors)
     sensor_points.push_back(lift_sensor(surfaces->geometry, *caster, sensor.position, sensor.normal));

@@ -39,10 +39,10 @@ RowPlan plan_rows(const PrecomputeOptions& options, const Scene& scene) {
   } else {
     plan.sensors = fixed(std::min(kMaxQuality, std::max(kMinSensorQuality, kSensorQualities * quality)));
   }
-  plan.sensor_cut = {options.budget, kCutShare * options.error};
+  plan.sensor_cut = {options.budget, 0.0};
   for (const SceneNode& node : scene.nodes) {
     plan.node_quality.push_back(node.extras.quality.value_or(0));
-    plan.node_cuts.push_back({node.extras.budget.value_or(options.budget), kCutShare * options.error});
+    plan.node_cuts.push_back({node.extras.budget.value_or(options.budget), 0.0});
     plan.cut = plan.cut || node.extras.budget.value_or(0) > 0;
   }
   if (target) plan.codec = options.error >= kCoarseCodesFrom ? ValueCodec::sqrt8 : ValueCodec::unorm16;

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <map>
 
 #include "core/quantities.h"
@@ -20,8 +19,6 @@ namespace {
 constexpr std::size_t kBatchElements = 16384;
 /// Rays of a cluster in a survey, and the least that one of its elements gets.
 constexpr std::uint32_t kSurveyRays = 512, kSurveyElementRays = 32;
-/// About so many clusters show how noisy rows are.
-constexpr std::uint32_t kPilotClusters = 512;
 
 struct Worker {
   explicit Worker(const RowScene& scene) : tracer(scene), mean(sender_count(scene)) {}
@@ -91,17 +88,6 @@ std::vector<TracedRow> trace_neighbours(std::span<const Receiver> receivers, con
   return rows;
 }
 
-std::vector<Receiver> receivers_of(const RowScene& scene, const TracedSystem& system,
-                                   std::span<const std::uint32_t> members) {
-  std::vector<Receiver> receivers;
-  for (const auto e : members) {
-    const Element& element = system.surface.surface.elements[e];
-    receivers.push_back(Receiver::element(scene.geometry, scene.caster, system.surface.surface, element,
-                                          system.charts[element.chart].side));
-  }
-  return receivers;
-}
-
 /// Area-weighted mean of the rows of the members that do not lie inside other geometry, or of all when all
 /// do.
 FormFactorRow cluster_row(const SystemSurface& surface, std::span<const std::uint32_t> members,
@@ -153,13 +139,6 @@ class NodePoints {
   std::map<std::uint32_t, SobolPoints> own_;  ///< by number of rays
 };
 
-/// Elements of each cluster, ascending.
-std::vector<std::vector<std::uint32_t>> members_of_clusters(const ClusteredSurface& system) {
-  std::vector<std::vector<std::uint32_t>> members(system.cluster_count);
-  for (std::uint32_t e = 0; e < system.cluster.size(); ++e) members[system.cluster[e]].push_back(e);
-  return members;
-}
-
 /// One past the last cluster of the batch that begins with `first`.
 std::uint32_t batch_end(const std::vector<std::vector<std::uint32_t>>& members, std::uint32_t first) {
   std::size_t elements = 0;
@@ -169,6 +148,23 @@ std::uint32_t batch_end(const std::vector<std::vector<std::uint32_t>>& members, 
 }
 
 }  // namespace
+
+std::vector<Receiver> receivers_of(const RowScene& scene, const TracedSystem& system,
+                                   std::span<const std::uint32_t> members) {
+  std::vector<Receiver> receivers;
+  for (const auto e : members) {
+    const Element& element = system.surface.surface.elements[e];
+    receivers.push_back(Receiver::element(scene.geometry, scene.caster, system.surface.surface, element,
+                                          system.charts[element.chart].side));
+  }
+  return receivers;
+}
+
+std::vector<std::vector<std::uint32_t>> members_of_clusters(const ClusteredSurface& system) {
+  std::vector<std::vector<std::uint32_t>> members(system.cluster_count);
+  for (std::uint32_t e = 0; e < system.cluster.size(); ++e) members[system.cluster[e]].push_back(e);
+  return members;
+}
 
 Result<SystemRows> trace_system(const RowScene& scene, const TracedSystem& system, const RayLimits& limits,
                                 std::span<const std::uint32_t> node_quality, RowCounts& counts,
@@ -242,62 +238,6 @@ std::vector<FormFactorRow> mean_rows(const SurveyRows& halves, std::size_t sende
     rows[i] = mean.finish();
   });
   return rows;
-}
-
-namespace {
-
-/// Rows of one cluster as a pilot found them.
-struct PilotRows {
-  double squared_noise = 0.0;
-  double weight = 0.0;  ///< of each element, by area
-  double elements = 0.0;
-};
-
-/// Mean square of the noise of all rows that had `pilot` rays each, with as many as the exchange gives them.
-double noise_at(const std::vector<PilotRows>& rows, const RayLimits& limits, std::uint32_t pilot,
-                double exchange) {
-  double sum = 0.0, weights = 0.0;
-  for (const PilotRows& row : rows) {
-    std::uint32_t rays = limits.least;
-    const auto squared = [&] { return row.squared_noise * std::pow(double(pilot) / double(rays), 1.5); };
-    while (row.weight * squared() > exchange * double(rays) && 2 * rays <= limits.rays) rays *= 2;
-    sum += row.elements * row.weight * squared();
-    weights += row.elements * row.weight;
-  }
-  return weights > 0.0 ? sum / weights : 0.0;
-}
-
-}  // namespace
-
-double find_exchange(const RowScene& scene, const std::vector<Chart>& charts,
-                     const std::vector<ClusteredSurface>& systems, const RayLimits& limits, double noise,
-                     RowCounts& counts) {
-  constexpr std::uint32_t kPilotRays = 256;
-  const std::uint32_t step = scene.cluster_count / kPilotClusters + 1;
-  const SobolPoints points(kPilotRays, kPilotRays / 2);
-  const RayLimits pilot{kPilotRays, kPilotRays, 1e-30, limits.area, limits.probing};
-  Workers workers([&] { return Worker(scene); });
-  std::vector<PilotRows> found(scene.cluster_count);
-  for (const ClusteredSurface& system : systems) {
-    const std::vector<bool> none(system.surface.elements.size(), false);
-    const auto members = members_of_clusters(system);
-    tbb::parallel_for(std::uint32_t{0}, system.cluster_count, [&](std::uint32_t c) {
-      if ((system.first_cluster + c) % step != 0) return;
-      RowRays rays;
-      const auto receivers = receivers_of(scene, {charts, system, none}, members[c]);
-      trace_neighbours(receivers, points, pilot, workers.local(), rays);
-      found[system.first_cluster + c] = {double(rays.noise) * double(rays.noise),
-                                         area_weight(receivers, limits), double(members[c].size())};
-    });
-  }
-  add_counts(workers, counts);
-  std::erase_if(found, [](const PilotRows& rows) { return rows.elements == 0.0; });
-  double low = 1e-16, high = 1.0;
-  for (int k = 0; k < 60; ++k) {
-    const double middle = std::sqrt(low * high);
-    (noise_at(found, limits, kPilotRays, middle) > noise * noise ? high : low) = middle;
-  }
-  return low;
 }
 
 Result<SensorRows> trace_sensors(const RowScene& scene, std::span<const SurfacePoint> points,

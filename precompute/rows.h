@@ -54,6 +54,13 @@ struct TracedSystem {
   }
 };
 
+/// Elements of each cluster, ascending.
+std::vector<std::vector<std::uint32_t>> members_of_clusters(const ClusteredSurface& system);
+
+/// Of some elements of a system.
+std::vector<Receiver> receivers_of(const RowScene& scene, const TracedSystem& system,
+                                   std::span<const std::uint32_t> members);
+
 /// The elements of all clusters below `last` have their rows: whoever wants them may take them away.
 using RowsTaker = std::function<void(std::uint32_t last, SystemRows& rows)>;
 
@@ -74,13 +81,6 @@ Result<SurveyRows> trace_survey(const RowScene& scene, const std::vector<Chart>&
 
 /// Means of the rows of both.
 std::vector<FormFactorRow> mean_rows(const SurveyRows& halves, std::size_t senders);
-
-/// The exchange at which the noise of all lumels' rows together is `noise` (root mean square, relative to
-/// their rooms) for the fewest rays: where the next ray lessens it most, it goes. From a sample of clusters,
-/// of which noise falls with the rays to the power of -3/4, as that of scrambled points over edges does.
-double find_exchange(const RowScene& scene, const std::vector<Chart>& charts,
-                     const std::vector<ClusteredSurface>& systems, const RayLimits& limits, double noise,
-                     RowCounts& counts);
 
 struct SensorRows {
   std::vector<FormFactorRow> rows;

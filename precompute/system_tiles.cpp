@@ -5,11 +5,31 @@
 
 namespace relume {
 
+namespace {
+
+/// Errors of clusters go around with the light, and add up.
+constexpr double kClusterShareOfError = 0.5;
+
+/// Limits of each row of a system's clusters.
 std::vector<CutLimits> cluster_cuts(const TracedSystem& system, const std::vector<CutLimits>& node_cuts) {
   std::vector<CutLimits> cuts(system.surface.cluster_count);
   for (std::size_t e = 0; e < system.surface.cluster.size(); ++e)
     cuts[system.surface.cluster[e]] = node_cuts[system.node(std::uint32_t(e))];
+  for (CutLimits& cut : cuts) cut.node_error *= kClusterShareOfError;
   return cuts;
+}
+
+}  // namespace
+
+std::vector<CutTile> cut_clusters(const ClusterTree& tree, const Probing& probing, const TracedSystem& system,
+                                  const SystemRows& rows, const std::vector<CutLimits>& node_cuts) {
+  TileRows tile_rows;
+  tile_rows.rays.assign(system.surface.cluster_count, 0.0f);
+  for (std::size_t e = 0; e < system.surface.cluster.size(); ++e)
+    tile_rows.rays[system.surface.cluster[e]] += float(rows.element_rays[e].count);
+  for (const FormFactorRow& row : rows.clusters) tile_rows.rows.push_back(&row);
+  const std::vector<CutLimits> cuts = cluster_cuts(system, node_cuts);
+  return cut_rows(tree, probing, tile_rows, {kTileRows, cuts});
 }
 
 LumelCutter::LumelCutter(const ClusterTree& tree, const Probing& probing, const TracedSystem& system,
@@ -29,14 +49,15 @@ std::vector<CutTile> LumelCutter::finish(SystemRows& rows) {
 }
 
 void LumelCutter::cut(std::size_t count, SystemRows& rows) {
-  std::vector<const FormFactorRow*> pointers;
+  TileRows tile_rows;
   std::vector<CutLimits> limits;
   for (std::size_t i = 0; i < count; ++i) {
-    pointers.push_back(&rows.elements[waiting_[i]]);
+    tile_rows.rows.push_back(&rows.elements[waiting_[i]]);
+    tile_rows.rays.push_back(float(rows.element_rays[waiting_[i]].count));
     limits.push_back(node_cuts_[system_.node(waiting_[i])]);
   }
   if (count == 0) return;
-  auto tiles = cut_rows(tree_, probing_, pointers, {kTileRows, limits});
+  auto tiles = cut_rows(tree_, probing_, tile_rows, {kTileRows, limits});
   std::move(tiles.begin(), tiles.end(), std::back_inserter(tiles_));
   for (std::size_t i = 0; i < count; ++i) rows.elements[waiting_[i]] = {};
   waiting_.erase(waiting_.begin(), waiting_.begin() + std::ptrdiff_t(count));

@@ -17,8 +17,9 @@ struct SystemTiles {
   std::vector<CutTile> clusters, lumels, sensors;  ///< sensors: tiles of one row
 };
 
-/// Limits of each row of a system's clusters.
-std::vector<CutLimits> cluster_cuts(const TracedSystem& system, const std::vector<CutLimits>& node_cuts);
+/// Tiles of the rows of all clusters; `node_cuts` per node of the scene.
+std::vector<CutTile> cut_clusters(const ClusterTree& tree, const Probing& probing, const TracedSystem& system,
+                                  const SystemRows& rows, const std::vector<CutLimits>& node_cuts);
 
 /// Cuts the rows of lumels batch by batch and lets go of them.
 class LumelCutter {

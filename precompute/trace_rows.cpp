@@ -6,12 +6,6 @@
 namespace relume {
 namespace {
 
-std::vector<const FormFactorRow*> pointers_to(const std::vector<FormFactorRow>& rows) {
-  std::vector<const FormFactorRow*> pointers;
-  for (const FormFactorRow& row : rows) pointers.push_back(&row);
-  return pointers;
-}
-
 Result<SystemTiles> trace_and_cut(const RowScene& scene, const TracedSystem& system,
                                   const SenderTree& senders, const RowPlan& plan, const Probing& probing,
                                   RowCounts& counts, const ProgressObserver& observer,
@@ -23,8 +17,7 @@ Result<SystemTiles> trace_and_cut(const RowScene& scene, const TracedSystem& sys
   rows = std::move(*traced);
   SystemTiles tiles;
   tiles.lumels = cutter.finish(rows);
-  const std::vector<CutLimits> cuts = cluster_cuts(system, plan.node_cuts);
-  tiles.clusters = cut_rows(senders.tree, probing, pointers_to(rows.clusters), {kTileRows, cuts});
+  tiles.clusters = cut_clusters(senders.tree, probing, system, rows, plan.node_cuts);
   rows.clusters = {};
   return tiles;
 }
@@ -62,9 +55,11 @@ Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces, c
   rows.sensors = std::move(*sensor_rows);
   rows.sensor_systems = systems_of_sensors(senders, surfaces.systems.size(), rows.sensors.rows);
   for (std::uint32_t s = 0; s < rows.tiles.size(); ++s) {
-    std::vector<const FormFactorRow*> own;
+    TileRows own;
     for (std::size_t i = 0; i < rows.sensors.rows.size(); ++i) {
-      if (rows.sensor_systems[i] == s) own.push_back(&rows.sensors.rows[i]);
+      if (rows.sensor_systems[i] != s) continue;
+      own.rows.push_back(&rows.sensors.rows[i]);
+      own.rays.push_back(float(rows.sensors.rays[i].count));
     }
     rows.tiles[s].sensors = cut_rows(senders.tree, *probing, own, {1, {&plan.sensor_cut, 1}});
   }
