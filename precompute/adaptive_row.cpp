@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "precompute/cut.h"
+#include "precompute/rows.h"
 
 namespace relume {
 namespace {
@@ -33,8 +34,10 @@ FormFactorRow RowMean::finish() {
 }
 
 double row_noise(const Probing& probing, std::span<const RowHalves> rows) {
-  double squares = 0.0;
+  double squares = 0.0, count = 0.0;
   for (const RowHalves& halves : rows) {
+    if (halves.first.back_face_share + halves.second.back_face_share > 2.0f * kInvalidShare) continue;
+    count += 1.0;
     ProbeValues difference{};
     add_light(probing, halves.first.row, 0.5f, difference);
     add_light(probing, halves.second.row, -0.5f, difference);
@@ -44,7 +47,7 @@ double row_noise(const Probing& probing, std::span<const RowHalves> rows) {
       squares += error * error;
     }
   }
-  return rows.empty() ? 0.0 : std::sqrt(squares / double(rows.size() * kProbes));
+  return count > 0.0 ? std::sqrt(squares / (count * double(kProbes))) : 0.0;
 }
 
 }  // namespace relume

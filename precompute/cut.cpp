@@ -105,6 +105,7 @@ TileCutter::Candidate TileCutter::candidate(std::uint32_t node, std::size_t firs
       noise += mean[p] * (factor * mean[p] - 2.0f * light) * weights_[r][p] * weights_[r][p] / rays_[r];
     }
   }
+  noise = std::clamp(noise, 0.0f, squared);
   result.squared_error = std::max(squared - kNoiseShare * noise, kAtLeast * squared) / float(rows_ * kProbes);
   return result;
 }

@@ -13,7 +13,7 @@
 namespace relume {
 namespace {
 
-constexpr std::uint32_t kPilotClusters = 512;
+constexpr std::uint32_t kPilotClusters = 256;
 /// As many as go into a tile.
 constexpr std::size_t kMostRows = 8;
 

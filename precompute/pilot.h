@@ -18,7 +18,7 @@ struct PilotRows {
 };
 
 /// So many rays each.
-inline constexpr std::uint32_t kPilotRays = 256;
+inline constexpr std::uint32_t kPilotRays = 1024;
 
 /// Of some hundred clusters, evenly spread over all. `mean_area` of elements, m2. In the calling task arena.
 std::vector<PilotRows> trace_pilot(const RowScene& scene, const std::vector<Chart>& charts,

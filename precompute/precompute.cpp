@@ -23,9 +23,9 @@ namespace {
 
 constexpr std::uint32_t kSkyResolution = 8;
 constexpr std::uint32_t kFewestSystemLumels = 64, kMostSystemLumels = 1u << 24;
-/// Clusters are made anew while their error is estimated so many times as large as its share of the target, a
-/// few times at most.
-constexpr double kEnough = 1.1;
+/// Clusters are made anew while their error is estimated so many times as large as its share of the target,
+/// and smaller ones lessen it to this share; a few times at most.
+constexpr double kEnough = 1.1, kWorthwhile = 0.8;
 constexpr int kMostAttempts = 3;
 constexpr std::uint32_t kMaxQuality = 1u << 20;
 
@@ -138,7 +138,7 @@ Result<void> prepare(const Scene& scene, const PrecomputeOptions& options, const
     for (const ClusteredSurface& system : surfaces.systems)
       known.push_back(clearances(surfaces.geometry, caster, surfaces.charts, system.surface));
   }
-  double share = plan.clearance_share;
+  double share = plan.clearance_share, before = 0.0;
   for (int attempt = 0;; ++attempt) {
     cluster_surfaces(scene, caster, report, share, known, surfaces);
     prepared.emplace(scene, surfaces, caster, options.seed);
@@ -153,7 +153,9 @@ Result<void> prepare(const Scene& scene, const PrecomputeOptions& options, const
     prepared->senders = std::move(surveyed->senders);
     prepared->probing = std::move(surveyed->probing);
     const double excess = prepared->probing->cluster_error / std::max(kClusterShare * options.error, 1e-9);
-    if (share <= 0.0 || excess <= kEnough || attempt == kMostAttempts) return {};
+    const bool helped = attempt == 0 || excess < kWorthwhile * before;
+    if (share <= 0.0 || excess <= kEnough || !helped || attempt == kMostAttempts) return {};
+    before = excess;
     share *= std::max(0.4, 1.0 / excess);
   }
 }

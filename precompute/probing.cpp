@@ -23,11 +23,18 @@ constexpr int kBounces = 12;
 constexpr float kLeastAlbedo = 0.2f, kMostAlbedo = 0.8f;
 /// By how much albedo may differ inside a material.
 constexpr float kTexture = 0.2f;
+/// Shares of the surface of a room: square of the distance that lamps keep, and area of what glows, at least.
+constexpr float kLampStandOff = 1e-3f, kLeastPatch = 2e-3f;
+/// By how much light may differ across a room, in waves from about as long as the room is to so many times
+/// shorter: other lights shine in other places.
+constexpr float kWave = 0.5f, kShortestWave = 12.0f;
 /// Rooms beyond so many, and those of less than this share of all surface, glow instead of being lit: shadow
 /// rays are for the large ones.
 constexpr std::uint32_t kLitRooms = 24;
 constexpr float kLeastLitShare = 0.01f;
-constexpr float kDimmest = 1e-3f;
+/// Rooms count as at least so bright, of the brightest: the large ones, and those that are too small to
+/// matter.
+constexpr float kDimmest = 1e-3f, kDimmestNook = 0.3f;
 
 /// Numbers by chance, the same everywhere.
 class Dice {
@@ -107,10 +114,7 @@ class Prober {
     light();
     bounce();
     weigh();
-    for (std::size_t i = 0; i < clusters_.size(); ++i) {
-      for (std::size_t p = 0; p < kProbes; ++p)
-        result_.senders[i][p] *= 1.0f + kTexture * (2.0f * Dice(scene_.seed, 0x7465 + i, p).next() - 1.0f);
-    }
+    vary();
     result_.nodes = node_means(result_.senders);
     return std::move(result_);
   }
@@ -128,6 +132,8 @@ class Prober {
     return kLeastAlbedo + (kMostAlbedo - kLeastAlbedo) * Dice(scene_.seed, 0x616c + material, probe).next();
   }
   void bounce();
+  /// Makes radiosities differ as textures and lights in other places would.
+  void vary();
   void weigh();
   static std::vector<ProbeValues> irradiance(const std::vector<FormFactorRow>& rows,
                                              const std::vector<ProbeValues>& senders);
@@ -136,7 +142,7 @@ class Prober {
   /// Senders with the mean of up to four neighbours each, as a model of clusters of twice the size would have
   /// them.
   std::vector<ProbeValues> coarser(const std::vector<ProbeValues>& senders) const;
-  /// Mean over each room by area.
+  /// Root mean square over each room, by area.
   std::vector<ProbeValues> room_means(const std::vector<ProbeValues>& clusters) const;
 
   const ProbedScene& scene_;
@@ -168,9 +174,9 @@ void Prober::light_room(std::uint32_t index, std::size_t probe) {
     for (const auto c : room.clusters) emitted_[c][probe] = strength * dice.next();
   } else if (kind < 0.2f && rooms_.size() > 1) {
     return;  // dark, but for what comes from its neighbours
-  } else if (probe % 2 == 1 && emitters_of_room(index, strength, probe)) {
+  } else if (probe % 8 == 1 && emitters_of_room(index, strength, probe)) {
     return;
-  } else if (kind > 0.8f) {
+  } else if (kind > 0.9f) {
     glowing_patch(room, dice, probe);
   } else {
     point_light(room, dice, probe);
@@ -211,7 +217,7 @@ void Prober::point_light(const ProbedRoom& room, Dice& dice, std::size_t probe) 
     if (cosine <= 0.0f || squared <= 0.0f) return;
     if (scene_.caster.occluded(at.position + scene_.geometry.offset * at.normal, position)) return;
     const float distance = std::sqrt(squared);
-    arriving_[c][probe] += intensity * (cosine / distance) / std::max(squared, 0.25f * clusters_[c].area);
+    arriving_[c][probe] += intensity * (cosine / distance) / std::max(squared, kLampStandOff * room.area());
   });
 }
 
@@ -227,7 +233,7 @@ void Prober::glowing_patch(const ProbedRoom& room, Dice& dice, std::size_t probe
     patch.push_back(c);
     area += clusters_[c].area;
   }
-  for (const auto c : patch) emitted_[c][probe] += room.area() / area;
+  for (const auto c : patch) emitted_[c][probe] += room.area() / std::max(area, kLeastPatch * room.area());
 }
 
 bool Prober::emitters_of_room(std::uint32_t index, float strength, std::size_t probe) {
@@ -236,10 +242,11 @@ bool Prober::emitters_of_room(std::uint32_t index, float strength, std::size_t p
     if (result_.rooms[emitter.cluster] == index) areas[emitter.material] += float(emitter.area);
   }
   if (areas.empty()) return false;
-  const auto [material, area] = *std::next(areas.begin(), std::ptrdiff_t(probe / 2 % areas.size()));
+  const auto [material, area] = *std::next(areas.begin(), std::ptrdiff_t(probe / 8 % areas.size()));
   for (const Emitter& emitter : scene_.emitters.list) {
     if (result_.rooms[emitter.cluster] == index && emitter.material == material)
-      emitted_[emitter.cluster][probe] += strength * rooms_[index].area() / area;
+      emitted_[emitter.cluster][probe] +=
+          strength * rooms_[index].area() / std::max(area, kLeastPatch * rooms_[index].area());
   }
   return true;
 }
@@ -266,6 +273,22 @@ std::vector<ProbeValues> Prober::irradiance(const std::vector<FormFactorRow>& ro
   return sums;
 }
 
+void Prober::vary() {
+  for (std::size_t p = 0; p < kProbes; ++p) {
+    Dice dice(scene_.seed, 0x7761, p);
+    const glm::vec3 way =
+        glm::normalize(glm::vec3(dice.next() - 0.5f, dice.next() - 0.5f, dice.next() - 0.5f));
+    const float phase = dice.next(), across = 1.0f + kShortestWave * float(p) / float(kProbes);
+    for (std::size_t i = 0; i < clusters_.size(); ++i) {
+      const ProbedRoom& room = rooms_[result_.rooms[i]];
+      const float at = glm::dot(clusters_[i].at.position, way) * across / std::sqrt(room.area()) + phase;
+      const float wave = 4.0f * std::abs(at - std::floor(at) - 0.5f) - 1.0f;
+      const float texture = 2.0f * Dice(scene_.seed, 0x7465 + i, p).next() - 1.0f;
+      result_.senders[i][p] *= 1.0f + kTexture * texture + kWave * wave;
+    }
+  }
+}
+
 void Prober::bounce() {
   for (int k = 0; k <= kBounces; ++k) {
     const std::vector<ProbeValues> indirect =
@@ -284,8 +307,9 @@ std::vector<ProbeValues> Prober::room_means(const std::vector<ProbeValues>& clus
   for (std::size_t room = 0; room < rooms_.size(); ++room) {
     for (const auto c : rooms_[room].clusters) {
       for (std::size_t p = 0; p < kProbes; ++p)
-        means[room][p] += clusters_[c].area / rooms_[room].area() * clusters[c][p];
+        means[room][p] += clusters_[c].area / rooms_[room].area() * clusters[c][p] * clusters[c][p];
     }
+    for (float& mean : means[room]) mean = std::sqrt(mean);
   }
   return means;
 }
@@ -299,7 +323,7 @@ void Prober::weigh() {
   result_.weights.assign(rooms_.size(), ProbeValues{});
   for (std::size_t room = 0; room < rooms_.size(); ++room) {
     for (std::size_t p = 0; p < kProbes; ++p) {
-      const float least = kDimmest * brightest[p];
+      const float least = (rooms_[room].area() < least_lit_area_ ? kDimmestNook : kDimmest) * brightest[p];
       if (least > 0.0f) result_.weights[room][p] = 1.0f / std::max(means[room][p], least);
     }
   }
@@ -318,21 +342,19 @@ double Prober::cluster_error() const {
   }
   const std::vector<ProbeValues> first = irradiance(halves_.first, change),
                                  second = irradiance(halves_.second, change);
-  double worst = 0.0;
-  for (std::size_t room = 0; room < rooms_.size(); ++room) {
+  double sum = 0.0, area = 0.0;
+  for (std::size_t c = 0; c < clusters_.size(); ++c) {
+    const std::uint32_t room = result_.rooms[c];
     if (rooms_[room].area() < least_lit_area_) continue;
-    double sum = 0.0;
-    for (const auto c : rooms_[room].clusters) {
-      const double share = double(clusters_[c].area / rooms_[room].area()) / double(kProbes);
-      for (std::size_t p = 0; p < kProbes; ++p) {
-        const double weight = double(result_.weights[room][p]);
-        sum += share * weight * weight * double(first[c][p]) * double(second[c][p]);
-      }
+    area += clusters_[c].area;
+    for (std::size_t p = 0; p < kProbes; ++p) {
+      const double weight = double(result_.weights[room][p]);
+      sum +=
+          double(clusters_[c].area) * weight * weight * double(first[c][p]) * double(second[c][p]) / kProbes;
     }
-    worst = std::max(worst, std::sqrt(std::max(sum, 0.0)));
   }
   // From twice the size down to this one: of first to second order in the size, half of the change is left.
-  return worst / 2.0;
+  return area > 0.0 ? std::sqrt(std::max(sum, 0.0) / area) / 2.0 : 0.0;
 }
 
 std::vector<ProbeValues> Prober::node_means(const std::vector<ProbeValues>& senders) const {

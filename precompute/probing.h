@@ -24,10 +24,10 @@ using ProbeValues = std::array<float, kProbes>;
 
 /// Radiosities under the probing emissions. Numbers of senders are those of a SenderTree.
 struct Probing {
-  std::vector<ProbeValues> senders;  ///< per sender, lm/m2; with what albedos may differ inside a material
+  std::vector<ProbeValues> senders;  ///< per sender, lm/m2; differing as textures and other lights make them
   std::vector<ProbeValues> nodes;    ///< per node of the tree: mean of its senders by weight
   std::vector<std::uint32_t> rooms;  ///< per cluster
-  std::vector<ProbeValues> weights;  ///< per room: 1 / mean of its irradiance; of a room that
+  std::vector<ProbeValues> weights;  ///< per room: 1 / root mean square of its irradiance; of a room that
                                      ///< nothing lights, as if it had a thousandth of that of the brightest
   double cluster_error = 0.0;  ///< of irradiance, relative to its root mean square in the room: what clusters
                                ///< of this size are estimated to cost, root mean square over rooms and probes

@@ -8,7 +8,7 @@ namespace relume {
 namespace {
 
 /// Errors of clusters go around with the light, and add up.
-constexpr double kClusterShareOfError = 0.5;
+constexpr double kClusterShareOfError = 0.4;
 
 /// Limits of each row of a system's clusters.
 std::vector<CutLimits> cluster_cuts(const TracedSystem& system, const std::vector<CutLimits>& node_cuts) {
