@@ -27,6 +27,8 @@ constexpr std::uint32_t kFewestSystemLumels = 64, kMostSystemLumels = 1u << 24;
 /// and smaller ones lessen it to this share; a few times at most.
 constexpr double kEnough = 1.1, kWorthwhile = 0.8;
 constexpr int kMostAttempts = 3;
+/// A target that is missed by more is told.
+constexpr double kToldFrom = 1.2;
 constexpr std::uint32_t kMaxQuality = 1u << 20;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -91,7 +93,7 @@ double root_mean_square(const std::vector<CutTile>& tiles) {
   return count > 0.0 ? std::sqrt(squares / count) : 0.0;
 }
 
-void estimate_errors(const TracedRows& rows, const Surfaces& surfaces, const Probing& probing,
+void estimate_errors(const TracedRows& rows, const Surfaces& surfaces, const Probing& probing, double asked,
                      PrecomputeReport& report) {
   double squares = 0.0, area = 0.0;
   for (std::size_t s = 0; s < rows.systems.size(); ++s) {
@@ -106,6 +108,14 @@ void estimate_errors(const TracedRows& rows, const Surfaces& surfaces, const Pro
   report.error.rays = area > 0.0 ? std::sqrt(squares / area) : 0.0;
   for (const SystemTiles& tiles : rows.tiles)
     report.error.cut = std::max(report.error.cut, root_mean_square(tiles.lumels));
+  if (asked > 0.0 && report.error.total() > kToldFrom * asked) {
+    report.warnings.push_back(
+        fmt::format("asked for an error of {:.2g} %, estimated to reach {:.2g} %: clusters {:.2g} %, rays "
+                    "{:.2g} %, cut {:.2g} %; clusters are "
+                    "no smaller than lumels (--texel-size {:.3g})",
+                    100.0 * asked, 100.0 * report.error.total(), 100.0 * report.error.clusters,
+                    100.0 * report.error.rays, 100.0 * report.error.cut, report.texel_size));
+  }
 }
 
 /// What rows are traced against, with clusters of one choice of sizes.
@@ -210,7 +220,7 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   report.rays = counts.rays;
   report.occlusion_rays += counts.occlusion_rays;
   report.seconds_rays = seconds_since(rays_start);
-  if (plan.cut) estimate_errors(*rows, *surfaces, *prepared->probing, report);
+  if (plan.cut) estimate_errors(*rows, *surfaces, *prepared->probing, options.error, report);
 
   const auto rows_start = std::chrono::steady_clock::now();
   if (observer && !observer("rows", 0.0))
