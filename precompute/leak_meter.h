@@ -29,7 +29,7 @@ inline constexpr std::uint32_t kLeakPoints = 8;
 /// its area.
 inline constexpr std::uint32_t kLeakClusters = 16;
 /// Rays by which a row looks around; the middle and the end of each is a place that it sees.
-inline constexpr std::uint32_t kLeakViews = 16;
+inline constexpr std::uint32_t kLeakViews = 32;
 
 struct LeakOptions {
   std::uint32_t rows = 1024;  ///< lumels, and as many clusters, evenly by their numbers; at least 1
