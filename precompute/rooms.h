@@ -11,9 +11,9 @@ namespace relume {
 
 /// Rooms: groups of clusters that exchange most of their light among themselves. Clusters that no chain of
 /// form factors joins are in different rooms, and so are those between which little passes: smooth functions
-/// of the place, averaged over what each cluster sees a few times over, become constant inside a room long
-/// before they do across a door (after the relaxed test vectors of A. Brandt, O. Livne, Lean Algebraic
-/// Multigrid, 2012).
+/// of the place, and random ones, averaged over what each cluster sees a few times over, become constant
+/// inside a room long before they do across a door (after the relaxed test vectors of A. Brandt, O. Livne,
+/// Lean Algebraic Multigrid, 2012).
 ///
 /// `rows`, `centroids`, `areas` per cluster; senders beyond the clusters (the sky) are left aside. Returns
 /// the room of each cluster, numbered from 0 in the order of their first clusters.

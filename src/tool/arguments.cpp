@@ -205,8 +205,10 @@ class Parser {
   void add_info_and_check() {
     add_path(add_command("info", "What is in a .relume file"), "FILE", "", info_.file, ".relume file")
         ->required();
-    add_path(add_command("check", "Verify a .relume file"), "FILE", "", check_.file, ".relume file")
-        ->required();
+    CLI::App& check = add_command("check", "Verify a .relume file");
+    add_path(check, "FILE", "", check_.file, ".relume file")->required();
+    check.add_flag("--leaks", check_.leaks,
+                   "Also measure the light that rows receive from where they cannot see");
   }
 
   void add_solve() {

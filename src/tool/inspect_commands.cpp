@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "core/model_file.h"
+#include "tool/leak_report.h"
 #include "tool/model_summary.h"
 
 namespace relume {
@@ -78,7 +79,14 @@ Result<int> run(const CheckArguments& arguments, Console& console) {
                   counted(model->lights.size(), "light"), counted(summary.sky_patches, "sky patch"))};
   console.say(fmt::format("{}: passed", arguments.file.string()));
   for (const std::string& line : verified) console.say("  " + line);
-  console.finish({{"file", arguments.file}, {"passed", true}, {"verified", json_array(verified)}});
+  JsonObject object{{"file", arguments.file}, {"passed", true}, {"verified", json_array(verified)}};
+  if (arguments.leaks) {
+    const Result<LeakReport> leaks = measure_leaks(*model);
+    if (!leaks) return tl::unexpected(leaks.error());
+    for (const std::string& line : leak_lines(*model, *leaks)) console.say("  " + line);
+    object.emplace_back("leaks", leaks_json(*model, *leaks));
+  }
+  console.finish(std::move(object));
   return 0;
 }
 

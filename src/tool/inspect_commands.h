@@ -13,12 +13,14 @@ struct InfoArguments {
 
 struct CheckArguments {
   std::filesystem::path file;
+  bool leaks = false;
 };
 
 /// `relume info`: what is in a .relume file.
 Result<int> run(const InfoArguments& arguments, Console& console);
 
-/// `relume check`: verifies a .relume file; fails with what is broken first.
+/// `relume check`: verifies a .relume file; fails with what is broken first. With `leaks`, measures what rows
+/// receive from where they cannot see (precompute/leak_meter.h) and passes whatever it finds.
 Result<int> run(const CheckArguments& arguments, Console& console);
 
 }  // namespace relume

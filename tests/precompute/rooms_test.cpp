@@ -54,6 +54,14 @@ TEST(Rooms, AreOneWhereHalfOfTheLightPasses) {
   EXPECT_EQ(Corridor(2, 30, 0.25f).found(), 1u);
 }
 
+TEST(Rooms, ACavityAroundARoomIsAnother) {
+  // Clusters of both lie among each other all along, as the two sides of a wall: only light tells them apart.
+  Corridor both(2, 40, 0.01f);
+  for (std::uint32_t c = 0; c < 80; ++c) both.centroids[c] = {float(c % 40), 0.0f, 0.0f};
+  const auto rooms = find_rooms(both.rows, both.centroids, both.areas);
+  for (std::uint32_t c = 0; c < 80; ++c) EXPECT_EQ(rooms[c], c / 40) << c;
+}
+
 TEST(Rooms, AHallIsOneRoom) {
   EXPECT_EQ(Corridor(1, 200, 0.0f).found(), 1u);
 }

@@ -60,6 +60,16 @@ TEST(Files, CheckPassesAndRefusesAFlippedBit) {
   EXPECT_THAT(refused.err, HasSubstr(box.file));
 }
 
+TEST(Files, CheckFindsNoWallsInsideABox) {
+  const Precomputed box = precomputed("furnace_box", {"--texel-size", "0.1", "--budget", "16"});
+  const nlohmann::json leaks = relume_json({"check", box.file, "--leaks"}).at("leaks");
+  EXPECT_GE(leaks.at("lumels").at("rows").get<int>(), 6 * 100);
+  EXPECT_GE(leaks.at("clusters").at("rows").get<int>(), 6);
+  EXPECT_EQ(leaks.at("lumels").at("largest_walled"), 0.0);
+  EXPECT_EQ(leaks.at("clusters").at("largest_walled"), 0.0);
+  EXPECT_TRUE(leaks.at("worst_walled").empty());
+}
+
 TEST(Files, FurnaceRadiosityIsExitanceOverOneMinusAlbedo) {
   const Precomputed box = precomputed("furnace_box", kCoarse);
   const nlohmann::json solved = solve_json(box, {"--tolerance", "1e-6"});

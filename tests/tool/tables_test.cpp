@@ -11,6 +11,7 @@
 
 #include "support/tiny_model.h"
 #include "tool/json_value.h"
+#include "tool/leak_report.h"
 #include "tool/matrix_export.h"
 #include "tool/result_tables.h"
 
@@ -133,6 +134,33 @@ TEST(ResultTables, FileNamesOfSystemsAreSafeAndUnique) {
   model.systems[3].name = "";
   EXPECT_THAT(system_file_names(model),
               testing::ElementsAre("hall_east_wing", "hall_east_wing_2", "_._up", "system"));
+}
+
+TEST(LeakReport, NamesTheWorstRowsAndTheirSenders) {
+  LeakReport report;
+  report.lumels = {2, 0.0625, 0.125, 0.03125, 0.0625};
+  report.rows = {
+      {LeakReceiver::lumel, 0, 0, 0, {1, 2, 3.5}, 0.125, 0.0625, {1, 0}, 1, {4, 5, 6}},
+      {LeakReceiver::lumel, 1, 0, 1, {0, 0, 0}, 0.0, 0.0},
+  };
+  const Model model = tiny_model();
+  const std::vector<std::string> lines = leak_lines(model, report);
+  ASSERT_EQ(lines.size(), 7u);
+  EXPECT_EQ(lines[1], "  2 lumels: walled 0.031 mean, 0.062 worst; hidden 0.062 mean, 0.12 worst");
+  EXPECT_EQ(lines[2], "  0 clusters: walled 0 mean, 0 worst; hidden 0 mean, 0 worst");
+  EXPECT_EQ(lines[3], "worst walled:");
+  EXPECT_EQ(lines[4],
+            "  0.062 at (1.000, 2.000, 3.500) on room/floor (lumel 0 of floor), most from (4.000, 5.000, "
+            "6.000) on room/lid");
+  EXPECT_EQ(lines[5], "worst hidden:");
+  EXPECT_THAT(lines[6], testing::StartsWith("  0.12 at (1.000"));
+
+  const nlohmann::json json = nlohmann::json::parse(to_json_text(leaks_json(model, report)));
+  EXPECT_EQ(json["lumels"]["largest_hidden"], 0.125);
+  ASSERT_EQ(json["worst_walled"].size(), 1u);
+  EXPECT_EQ(json["worst_walled"][0]["walled"], 0.0625);
+  EXPECT_EQ(json["worst_walled"][0]["sender_system"], "lid");
+  EXPECT_EQ(json["worst_walled"][0]["sender_place"], nlohmann::json({4.0, 5.0, 6.0}));
 }
 
 }  // namespace

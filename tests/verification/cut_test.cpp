@@ -113,39 +113,5 @@ TEST(Cut, TheSameBytesForAnyNumberOfThreads) {
   }
 }
 
-class SealedRoomsCut : public testing::TestWithParam<std::uint32_t> {};
-
-TEST_P(SealedRoomsCut, StayDarkBesideALitOne) {
-  const Scene scene = sealed_rooms(0.01);
-  PrecomputeOptions options;
-  options.cluster_size = 0.2;
-  options.texel_size = 0.1;
-  options.quality = 64;
-  options.budget = GetParam();
-  const Model model = precompute_or_throw(scene, options);
-  Light bulb;
-  bulb.intensity = Rgb(100.0);
-  bulb.position = {1.0, 1.0, 1.0};
-  const RunTimeLighting lit = light(model, scene, {{bulb}, {}});
-  const GatheredIrradiance gathered = solve_and_gather(model, lit);
-  double area[2]{}, flux[2]{};
-  const auto rows = gather_offsets(model);
-  for (std::size_t s = 0; s < model.systems.size(); ++s) {
-    const System& system = model.systems[s];
-    for (std::size_t l = 0; l < system.lumels.size(); ++l) {
-      const SurfaceElement& element = system.elements[system.lumels[l].element];
-      const bool between = element.position.x > 2.0f && element.position.x < 2.01f;
-      if (between || (system.lumels[l].flags & kLumelInvalid) != 0) continue;
-      const int side = element.position.x > 2.0f ? 1 : 0;
-      area[side] += element.area;
-      flux[side] += element.area * gathered.indirect[rows[s] + l].r;
-    }
-  }
-  EXPECT_GT(flux[0] / area[0], 10.0);
-  EXPECT_LT(flux[1] / area[1], 1e-4 * flux[0] / area[0]);
-}
-
-INSTANTIATE_TEST_SUITE_P(Budgets, SealedRoomsCut, testing::Values(16u, 32u, 64u, 128u));
-
 }  // namespace
 }  // namespace relume::test

@@ -190,7 +190,7 @@ Scene two_rooms_recoloured() {
 Scene sealed_rooms(double thickness) {
   SceneBuilder b;
   const auto wall = b.material("wall", Rgb(0.7)), lamp = b.material("lamp", Rgb(0.3), Rgb(100.0));
-  const double near = 2.0, far = 2.0 + thickness, end = far + 2.0;
+  const double near = 2.0, far = 2.0 + thickness, end = far + 3.1;
   b.add_quad("floor", wall, {P(0, 0, 0), P(0, 0, 2), P(end, 0, 2), P(end, 0, 0)});
   b.add_quad("ceiling", wall, {P(0, 2, 0), P(end, 2, 0), P(end, 2, 2), P(0, 2, 2)});
   b.add_quad("side/near", wall, {P(0, 0, 0), P(end, 0, 0), P(end, 2, 0), P(0, 2, 0)});

@@ -45,8 +45,9 @@ std::vector<Footprint> two_rooms_footprints();
 /// Other colours and lamps on the same geometry.
 Scene two_rooms_recoloured();
 
-/// Two closed rooms of 2 x 2 x 2 m, side by side along x, that share one floor, one ceiling and both side
-/// walls (one quad each); `thickness` metres of hollow wall between them. Lit: a lamp in the room at x < 2.
+/// Two closed rooms of 2 x 2 x 2 m and 3.1 x 2 x 2 m, side by side along x, that share one floor, one ceiling
+/// and both side walls (one quad each); `thickness` metres of hollow wall between them. Lit: a lamp in the
+/// room at x < 2. (Of two equal rooms, whatever halves surfaces would meet the wall by chance.)
 Scene sealed_rooms(double thickness);
 
 /// One room of 4 x 2.5 x 4 m with a square lamp of `size` m in the middle of its ceiling, 1 mm below it; the
