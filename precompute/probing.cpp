@@ -34,7 +34,7 @@ constexpr std::uint32_t kLitRooms = 24;
 constexpr float kLeastLitShare = 0.01f;
 /// Rooms count as at least so bright, of the brightest: the large ones, and those that are too small to
 /// matter.
-constexpr float kDimmest = 1e-3f, kDimmestNook = 0.3f;
+constexpr float kDimmest = 1e-2f, kDimmestNook = 0.3f;
 
 /// Numbers by chance, the same everywhere.
 class Dice {

@@ -28,7 +28,7 @@ struct Probing {
   std::vector<ProbeValues> nodes;    ///< per node of the tree: mean of its senders by weight
   std::vector<std::uint32_t> rooms;  ///< per cluster
   std::vector<ProbeValues> weights;  ///< per room: 1 / root mean square of its irradiance; of a room that
-                                     ///< nothing lights, as if it had a thousandth of that of the brightest
+                                     ///< nothing lights, as if it had a hundredth of that of the brightest
   double cluster_error = 0.0;  ///< of irradiance, relative to its root mean square in the room: what clusters
                                ///< of this size are estimated to cost, root mean square over rooms and probes
 };
