@@ -12,6 +12,7 @@
 
 #include "precompute/arena_threads.h"
 #include "precompute/assemble_model.h"
+#include "precompute/check_sizes.h"
 #include "precompute/clearance.h"
 #include "precompute/lift_sensor.h"
 #include "precompute/pilot.h"
@@ -150,6 +151,8 @@ Result<void> prepare(const Scene& scene, const PrecomputeOptions& options, const
     auto surveyed = survey(prepared->rows, surfaces.charts, surfaces.systems, prepared->lookup,
                            prepared->emitters, counts, observer);
     if (!surveyed) return tl::unexpected(surveyed.error());
+    if (auto ok = check_budgets(scene, surfaces, surveyed->senders.tree, surveyed->rows, plan.node_cuts); !ok)
+      return ok;
     prepared->senders = std::move(surveyed->senders);
     prepared->probing = std::move(surveyed->probing);
     const double excess = prepared->probing->cluster_error / std::max(kClusterShare * options.error, 1e-9);
@@ -183,6 +186,7 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   if (scene.triangles.empty())
     return fail(ErrorCode::bad_input, fmt::format("{}: no static triangles to precompute", scene.file_name));
   Geometry geometry = make_geometry(scene);
+  if (auto ok = check_sizes(options, geometry); !ok) return tl::unexpected(ok.error());
   const auto caster = make_caster(geometry);
   if (!caster) return tl::unexpected(caster.error());
   if (observer && !observer("surfaces", 0.0))

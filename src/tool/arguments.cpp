@@ -49,6 +49,8 @@ constexpr double kTiny = 1e-30;
 constexpr double kLargestCount = 4294967295.0;
 constexpr NumberKind kLength{"M", parse_number, kTiny, 1e12, false, "a length above 0 in metres"};
 constexpr NumberKind kShare{"E", parse_share, kTiny, 1e12, false, "a relative error above 0, as 0.01 or 1%"};
+constexpr NumberKind kTarget{"E",    parse_share, kTiny,
+                             0.9999, false,       "a relative error above 0 and below 100%, as 0.02 or 2%"};
 constexpr NumberKind kAlbedo{"A", parse_number, kTiny, 0.9999, false, "a number above 0, at most 0.9999"};
 constexpr NumberKind kRadiosity{"LM/M2", parse_number, 0.0, 1e30, false, "a number of at least 0"};
 constexpr NumberKind kCount{"N", parse_number, 1.0, kLargestCount, true, "a whole number of at least 1"};
@@ -180,7 +182,7 @@ class Parser {
     PrecomputeOptions& options = precompute_.options;
     add_path(command, "SCENE", "", precompute_.scene, "glTF scene (.gltf, .glb)")->required();
     add_path(command, "-o,--output", "FILE", precompute_.output, "The .relume file to write")->required();
-    add_number(command, "--error", options.error, kShare,
+    add_number(command, "--error", options.error, kTarget,
                "Target for indirect light in each room, 2% or 0.02; what follows is then chosen from it");
     add_number(command, "--quality", options.quality, kCount, "Rays per lumel (default 512)");
     add_number(command, "--sensor-quality", options.sensor_quality, kCount,
