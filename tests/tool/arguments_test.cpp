@@ -89,7 +89,7 @@ TEST(Arguments, MisuseEndsWithStatus2AndASentence) {
 
 TEST(Arguments, KnobsBeyondTheSceneEndWithStatus2AndTheNumberNeeded) {
   const std::filesystem::path folder = fresh_folder();
-  // A cube of 1 m; two rooms with a lamp each: a tile in the doorway sees four cluster trees or more.
+  // A cube of 1 m; two rooms joined by a door: whoever sees through it sees two cluster trees.
   const std::string box = make_scene("furnace_box", folder), rooms = make_scene("two_rooms", folder);
   const std::vector<Misuse> misuses{
       {{box, "--cluster-size", "2"}, "cluster size 2: expected at most the diagonal of the scene, 1.732 m"},
