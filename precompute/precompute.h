@@ -47,7 +47,9 @@ struct PrecomputeOptions {
   std::optional<ValueCodec> codec;         ///< unless said: as the error asks, or without one f32
   double max_albedo = 0.95;                ///< above 0, at most 0.9999
   std::uint64_t seed = 0;
-  std::uint32_t threads = 0;  ///< 0 = all
+  std::uint32_t threads = 0;     ///< 0 = all
+  std::uint64_t max_memory = 0;  ///< bytes that the process may have; 0: no limit. What is needed is
+                                 ///< estimated before the long work, which is then refused (out_of_memory).
   std::vector<SensorPoint> sensors;
 };
 
@@ -73,11 +75,27 @@ struct PrecomputeReport {
   double seconds_rays = 0.0;      ///< rays and rows
   double seconds_rows = 0.0;      ///< trees, cut, matrices
   double seconds_total = 0.0;
+  std::uint64_t peak_memory = 0;  ///< bytes that the process has had at most so far
   std::vector<std::string> warnings;
 };
 
 /// The same scene and options give the same model, bit for bit, for any number of threads.
 Result<Model> precompute(const Scene& scene, const PrecomputeOptions& options, PrecomputeReport& report,
                          const ProgressObserver& observer = {});
+
+/// What a precompute will take, extrapolated from a small sample of its rows.
+struct PrecomputeEstimate {
+  std::uint64_t rows = 0;      ///< of all matrices
+  std::uint64_t nonzeros = 0;  ///< form factors
+  std::uint64_t file_bytes = 0;
+  std::uint64_t memory_bytes = 0;  ///< that the process has at most, until the file is written
+  std::uint64_t rays = 0;          ///< of rows, towards emitters too
+  double seconds = 0.0;            ///< on this machine
+};
+
+/// Surfaces, survey and sample of a precompute; the model is thrown away. `report` gets sizes and warnings.
+Result<PrecomputeEstimate> estimate_precompute(const Scene& scene, const PrecomputeOptions& options,
+                                               PrecomputeReport& report,
+                                               const ProgressObserver& observer = {});
 
 }  // namespace relume
