@@ -8,13 +8,13 @@
 namespace relume {
 namespace {
 
-constexpr std::uint32_t kSampledTiles = 32, kClustersOfTile = 8;
+constexpr std::uint32_t kSampledTiles = 64, kClustersOfTile = 8;
 /// Of a row that is held: its vectors and what the allocator adds to them; of a tile, its nine vectors.
 constexpr double kRowBytes = 96.0, kTileBytes = 512.0;
 /// A form factor that is held: a sender and a value.
 constexpr double kEntryBytes = 8.0;
-/// Rows that come and go leave gaps.
-constexpr double kBatchSlack = 1.3;
+/// Rows that come and go leave gaps, which what follows does not fill.
+constexpr double kBatchSlack = 1.2;
 /// Of a tile of 8 that is held: a node, and 8 values.
 constexpr double kTileEntryBytes = 36.0;
 
@@ -133,7 +133,7 @@ double bytes_while_traced(const Model& sample, const MatrixSums& sums, const Sam
   const double batch = lumels * std::min(1.0, double(kBatchElements) / std::max(sums.lumels.rows, 1.0));
   const double tiles = kTileEntryBytes * (sums.clusters.columns + sums.lumels.columns) +
                        kTileBytes * (sums.clusters.tiles + sums.lumels.tiles);
-  return tiles + std::max(kBatchSlack * (clusters * largest_share(sample) + batch), model_bytes);
+  return tiles + kBatchSlack * (clusters * largest_share(sample) + batch) + model_bytes;
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 
 namespace relume {
 
-/// A sample (in_sample) of about 256 clusters.
+/// A sample (in_sample) of about 512 clusters.
 std::uint32_t sample_every(std::uint32_t clusters);
 
 /// What is known of a sample beside its model.

@@ -239,6 +239,7 @@ Result<PrecomputeEstimate> estimate_model(const Start& start, RowPlan plan, doub
   facts.every = sample_every(start.surfaces.cluster_count());
   facts.cut = plan.cut;
   facts.seconds_before = seconds_before;
+  return_free_memory();  // of the survey: rows would use it again
   facts.resident_bytes = resident_bytes(), facts.peak_bytes = peak_resident_bytes();
   plan.lumels.every = plan.sensors.every = facts.every;
   PrecomputeReport unused;

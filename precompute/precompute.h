@@ -39,9 +39,10 @@ struct PrecomputeOptions {
       0;               ///< rays per sensor, 0 = as the error asks, or without one 16 x quality, at least 4096
   double error = 0.0;  ///< the target: of indirect irradiance, relative to its root mean square in the room,
                        ///< whatever the lights; 0: none. Chooses what is not asked for below.
-  std::uint32_t budget = 0;  ///< nodes that a tile of 8 neighbouring rows keeps (a tile that sees more trees
-                             ///< keeps one each), four times as many for a sensor; 0: as the error asks, or
-                             ///< without one full rows
+  std::uint32_t budget =
+      0;  ///< nodes that a tile of 8 neighbouring rows keeps, and a sensor; refused below one
+          ///< for each cluster tree that a tile of the survey sees (a tile that turns out to
+          ///< see more keeps one each); 0: as the error asks, or without one full rows
   std::uint32_t system_lumels = 1u << 16;  ///< of a system: larger ones are split where little light crosses;
                                            ///< 64 to 2^24
   std::optional<ValueCodec> codec;         ///< unless said: as the error asks, or without one f32
