@@ -12,9 +12,12 @@
 
 #include "precompute/arena_threads.h"
 #include "precompute/assemble_model.h"
+#include "precompute/check_sizes.h"
 #include "precompute/clearance.h"
+#include "precompute/estimate.h"
 #include "precompute/lift_sensor.h"
 #include "precompute/pilot.h"
+#include "precompute/process_memory.h"
 #include "precompute/rig.h"
 #include "precompute/trace_rows.h"
 
@@ -160,6 +163,8 @@ Result<void> prepare(const Scene& scene, const PrecomputeOptions& options, const
     auto surveyed = survey(prepared->rows, surfaces.charts, surfaces.systems, prepared->lookup,
                            prepared->emitters, counts, observer);
     if (!surveyed) return tl::unexpected(surveyed.error());
+    if (auto ok = check_budgets(scene, surfaces, surveyed->senders.tree, surveyed->rows, plan.node_cuts); !ok)
+      return ok;
     prepared->senders = std::move(surveyed->senders);
     prepared->probing = std::move(surveyed->probing);
     const double excess = prepared->probing->cluster_error / std::max(kClusterShare * options.error, 1e-9);
@@ -189,12 +194,93 @@ void follow_target(const Surfaces& surfaces, const PrecomputeOptions& options, c
   if (plan.sensors.least < plan.sensors.rays) plan.sensors.exchange = plan.lumels.exchange;
 }
 
+/// All that rows are traced from.
+struct Start {
+  const Scene& scene;
+  const PrecomputeOptions& options;
+  const RayCaster& caster;
+  const Surfaces& surfaces;
+  const Preparation& prepared;
+  std::vector<SurfacePoint> sensors;  ///< lifted
+};
+
+Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& counts,
+                          PrecomputeReport& report, const ProgressObserver& observer) {
+  const auto& [scene, options, caster, surfaces, prepared, sensors] = start;
+  const auto rays_start = std::chrono::steady_clock::now();
+  auto rows = trace_rows(prepared.rows, surfaces, prepared.senders, sensors, plan, prepared.known(), counts,
+                         observer);
+  if (!rows) return tl::unexpected(rows.error());
+  report.rays = counts.rays;
+  report.occlusion_rays += counts.occlusion_rays;
+  report.seconds_rays += seconds_since(rays_start);
+  if (plan.cut) estimate_errors(*rows, surfaces, *prepared.probing, options.error, report);
+
+  const auto rows_start = std::chrono::steady_clock::now();
+  if (observer && !observer("rows", 0.0))
+    return fail(ErrorCode::cancelled, "stopped before rows were stored");
+  const ModelParts parts{scene,
+                         surfaces.geometry,
+                         surfaces.charts,
+                         surfaces.layouts,
+                         surfaces.systems,
+                         surfaces.own_elements,
+                         rows->systems,
+                         rows->sensors,
+                         rows->sensor_systems,
+                         rows->orders,
+                         rows->tiles,
+                         prepared.emitters,
+                         prepared.senders,
+                         surfaces.cluster_count()};
+  auto model = assemble_model(parts, plan.codec, options.max_albedo, report);
+  report.seconds_rows = seconds_since(rows_start);
+  if (!model) return model;
+  add_sensors(options, rows->sensor_systems, *model);
+  light_model(scene, surfaces.geometry, caster, *model, report.warnings);
+  if (!scene.cameras.empty()) model->camera = scene.cameras.front();
+  model->provenance = {scene.file_name, "relume 0.1.0", caster.description(),
+                       options_json(options, report, plan)};
+  return model;
+}
+
+/// The same with few rows.
+Result<PrecomputeEstimate> estimate_model(const Start& start, RowPlan plan, double seconds_before,
+                                          const ProgressObserver& observer) {
+  SampleFacts facts;
+  facts.every = sample_every(start.surfaces.cluster_count());
+  facts.cut = plan.cut;
+  facts.seconds_before = seconds_before;
+  return_free_memory();  // of the survey: rows would use it again
+  facts.resident_bytes = resident_bytes(), facts.peak_bytes = peak_resident_bytes();
+  plan.lumels.every = plan.sensors.every = facts.every;
+  PrecomputeReport unused;
+  const auto model = trace_model(start, plan, facts.counts, unused, observer);
+  if (!model) return tl::unexpected(model.error());
+  facts.seconds_rows = unused.seconds_rays, facts.seconds_after = unused.seconds_rows;
+  return extrapolate(*model, facts);
+}
+
+Result<void> check_memory(const PrecomputeOptions& options, const PrecomputeEstimate& estimate) {
+  if (options.max_memory == 0 || estimate.memory_bytes <= options.max_memory) return {};
+  constexpr double kMega = 1e-6;
+  return fail(
+      ErrorCode::out_of_memory,
+      fmt::format(
+          "memory: expected at most {:.0f} MB (--max-memory), found a need of about {:.0f} MB; "
+          "{} larger --cluster-size or --texel-size, or fewer rays (--quality), need less",
+          kMega * double(options.max_memory), kMega * double(estimate.memory_bytes),
+          options.budget > 0 || options.error > 0.0 ? "a" : "rows that are cut (--error or --budget), a"));
+}
+
+/// The model; where only an `estimate` is asked for, an empty one.
 Result<Model> build(const Scene& scene, const PrecomputeOptions& options, PrecomputeReport& report,
-                    const ProgressObserver& observer) {
+                    const ProgressObserver& observer, PrecomputeEstimate* estimate) {
   const auto start = std::chrono::steady_clock::now();
   if (scene.triangles.empty())
     return fail(ErrorCode::bad_input, fmt::format("{}: no static triangles to precompute", scene.file_name));
   Geometry geometry = make_geometry(scene);
+  if (auto ok = check_sizes(options, geometry); !ok) return tl::unexpected(ok.error());
   const auto caster = make_caster(geometry);
   if (!caster) return tl::unexpected(caster.error());
   if (observer && !observer("surfaces", 0.0))
@@ -208,47 +294,40 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
       !done)
     return tl::unexpected(done.error());
   report.seconds_surfaces = seconds_since(start);
-
-  const auto rays_start = std::chrono::steady_clock::now();
   follow_target(*surfaces, options, *prepared, counts, plan);
-  std::vector<SurfacePoint> sensor_points;
+  report.seconds_rays = seconds_since(start) - report.seconds_surfaces;
+  Start rows{scene, options, *caster, *surfaces, *prepared, {}};
   for (const SensorPoint& sensor : options.sensors)
-    sensor_points.push_back(lift_sensor(surfaces->geometry, *caster, sensor.position, sensor.normal));
-  auto rows = trace_rows(prepared->rows, *surfaces, prepared->senders, sensor_points, plan, prepared->known(),
-                         counts, observer);
-  if (!rows) return tl::unexpected(rows.error());
-  report.rays = counts.rays;
-  report.occlusion_rays += counts.occlusion_rays;
-  report.seconds_rays = seconds_since(rays_start);
-  if (plan.cut) estimate_errors(*rows, *surfaces, *prepared->probing, options.error, report);
-
-  const auto rows_start = std::chrono::steady_clock::now();
-  if (observer && !observer("rows", 0.0))
-    return fail(ErrorCode::cancelled, "stopped before rows were stored");
-  const ModelParts parts{scene,
-                         surfaces->geometry,
-                         surfaces->charts,
-                         surfaces->layouts,
-                         surfaces->systems,
-                         surfaces->own_elements,
-                         rows->systems,
-                         rows->sensors,
-                         rows->sensor_systems,
-                         rows->orders,
-                         rows->tiles,
-                         prepared->emitters,
-                         prepared->senders,
-                         surfaces->cluster_count()};
-  auto model = assemble_model(parts, plan.codec, options.max_albedo, report);
-  report.seconds_rows = seconds_since(rows_start);
-  if (!model) return model;
-  add_sensors(options, rows->sensor_systems, *model);
-  light_model(scene, surfaces->geometry, *caster, *model, report.warnings);
-  if (!scene.cameras.empty()) model->camera = scene.cameras.front();
-  model->provenance = {scene.file_name, "relume 0.1.0", caster->description(),
-                       options_json(options, report, plan)};
+    rows.sensors.push_back(lift_sensor(surfaces->geometry, *caster, sensor.position, sensor.normal));
+  if (estimate != nullptr || options.max_memory > 0) {
+    auto expected = estimate_model(rows, plan, seconds_since(start), observer);
+    if (!expected) return tl::unexpected(expected.error());
+    if (auto ok = check_memory(options, *expected); !ok) return tl::unexpected(ok.error());
+    if (estimate != nullptr) {
+      *estimate = *expected;
+      estimate->rays += counts.rays + counts.occlusion_rays + report.occlusion_rays;
+      return Model{};
+    }
+  }
+  auto model = trace_model(rows, plan, counts, report, observer);
+  return_free_memory();  // of rows: the file's bytes are large
   report.seconds_total = seconds_since(start);
+  report.peak_memory = peak_resident_bytes();
   return model;
+}
+
+/// build() in an arena of as many threads as asked for.
+Result<Model> build_in_arena(const Scene& scene, const PrecomputeOptions& options, PrecomputeReport& report,
+                             const ProgressObserver& observer, PrecomputeEstimate* estimate) {
+  if (auto ok = check_options(options); !ok) return tl::unexpected(ok.error());
+  tbb::task_arena arena(arena_threads(options.threads));
+  try {
+    return arena.execute([&] { return build(scene, options, report, observer, estimate); });
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::out_of_memory,
+                fmt::format("{}: out of memory during the precompute; choose a larger texel or cluster size",
+                            scene.file_name));
+  }
 }
 
 }  // namespace
@@ -259,15 +338,15 @@ double ErrorEstimate::total() const {
 
 Result<Model> precompute(const Scene& scene, const PrecomputeOptions& options, PrecomputeReport& report,
                          const ProgressObserver& observer) {
-  if (auto ok = check_options(options); !ok) return tl::unexpected(ok.error());
-  tbb::task_arena arena(arena_threads(options.threads));
-  try {
-    return arena.execute([&] { return build(scene, options, report, observer); });
-  } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::out_of_memory,
-                fmt::format("{}: out of memory during the precompute; choose a larger texel or cluster size",
-                            scene.file_name));
-  }
+  return build_in_arena(scene, options, report, observer, nullptr);
+}
+
+Result<PrecomputeEstimate> estimate_precompute(const Scene& scene, const PrecomputeOptions& options,
+                                               PrecomputeReport& report, const ProgressObserver& observer) {
+  PrecomputeEstimate estimate;
+  if (auto done = build_in_arena(scene, options, report, observer, &estimate); !done)
+    return tl::unexpected(done.error());
+  return estimate;
 }
 
 }  // namespace relume

@@ -39,15 +39,18 @@ struct PrecomputeOptions {
       0;               ///< rays per sensor, 0 = as the error asks, or without one 16 x quality, at least 4096
   double error = 0.0;  ///< the target: of indirect irradiance, relative to its root mean square in the room,
                        ///< whatever the lights; 0: none. Chooses what is not asked for below.
-  std::uint32_t budget = 0;  ///< nodes that a tile of 8 neighbouring rows keeps (a tile that sees more trees
-                             ///< keeps one each), four times as many for a sensor; 0: as the error asks, or
-                             ///< without one full rows
+  std::uint32_t budget =
+      0;  ///< nodes that a tile of 8 neighbouring rows keeps, and a sensor; refused below one
+          ///< for each cluster tree that a tile of the survey sees (a tile that turns out to
+          ///< see more keeps one each); 0: as the error asks, or without one full rows
   std::uint32_t system_lumels = 1u << 16;  ///< of a system: larger ones are split where little light crosses;
                                            ///< 64 to 2^24
   std::optional<ValueCodec> codec;         ///< unless said: as the error asks, or without one f32
   double max_albedo = 0.95;                ///< above 0, at most 0.9999
   std::uint64_t seed = 0;
-  std::uint32_t threads = 0;  ///< 0 = all
+  std::uint32_t threads = 0;     ///< 0 = all
+  std::uint64_t max_memory = 0;  ///< bytes that the process may have; 0: no limit. What is needed is
+                                 ///< estimated before the long work, which is then refused (out_of_memory).
   std::vector<SensorPoint> sensors;
 };
 
@@ -73,11 +76,27 @@ struct PrecomputeReport {
   double seconds_rays = 0.0;      ///< rays and rows
   double seconds_rows = 0.0;      ///< trees, cut, matrices
   double seconds_total = 0.0;
+  std::uint64_t peak_memory = 0;  ///< bytes that the process has had at most so far
   std::vector<std::string> warnings;
 };
 
 /// The same scene and options give the same model, bit for bit, for any number of threads.
 Result<Model> precompute(const Scene& scene, const PrecomputeOptions& options, PrecomputeReport& report,
                          const ProgressObserver& observer = {});
+
+/// What a precompute will take, extrapolated from a small sample of its rows.
+struct PrecomputeEstimate {
+  std::uint64_t rows = 0;      ///< of all matrices
+  std::uint64_t nonzeros = 0;  ///< form factors
+  std::uint64_t file_bytes = 0;
+  std::uint64_t memory_bytes = 0;  ///< that the process has at most, until the file is written
+  std::uint64_t rays = 0;          ///< of rows, towards emitters too
+  double seconds = 0.0;            ///< on this machine
+};
+
+/// Surfaces, survey and sample of a precompute; the model is thrown away. `report` gets sizes and warnings.
+Result<PrecomputeEstimate> estimate_precompute(const Scene& scene, const PrecomputeOptions& options,
+                                               PrecomputeReport& report,
+                                               const ProgressObserver& observer = {});
 
 }  // namespace relume

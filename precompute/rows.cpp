@@ -15,8 +15,6 @@
 namespace relume {
 namespace {
 
-/// Clusters go in batches of about so many elements, so that their rows need not be held together.
-constexpr std::size_t kBatchElements = 16384;
 /// Rays of a cluster in a survey, and the least that one of its elements gets.
 constexpr std::uint32_t kSurveyRays = 512, kSurveyElementRays = 32;
 
@@ -24,6 +22,7 @@ struct Worker {
   explicit Worker(const RowScene& scene) : tracer(scene), mean(sender_count(scene)) {}
   RowTracer tracer;
   RowMean mean;
+  std::uint64_t cluster_entries = 0, element_entries = 0;
 };
 using Workers = tbb::enumerable_thread_specific<Worker>;
 
@@ -31,6 +30,8 @@ void add_counts(const Workers& workers, RowCounts& counts) {
   for (const Worker& worker : workers) {
     counts.rays += worker.tracer.rays();
     counts.occlusion_rays += worker.tracer.occlusion_rays();
+    counts.cluster_entries += worker.cluster_entries;
+    counts.element_entries += worker.element_entries;
   }
 }
 
@@ -108,10 +109,13 @@ void trace_cluster(const RowScene& scene, const TracedSystem& system, std::span<
   std::vector<TracedRow> traced =
       trace_neighbours(receivers_of(scene, system, members), points, limits, worker, rays);
   row = cluster_row(system.surface.surface, members, traced, worker.mean);
+  worker.cluster_entries += row.senders.size();
   for (std::size_t i = 0; i < members.size(); ++i) {
     rows.element_back_face_share[members[i]] = traced[i].back_face_share;
     rows.element_rays[members[i]] = rays;
-    if (system.own_elements[members[i]]) rows.elements[members[i]] = std::move(traced[i].row);
+    if (!system.own_elements[members[i]]) continue;
+    worker.element_entries += traced[i].row.senders.size();
+    rows.elements[members[i]] = std::move(traced[i].row);
   }
 }
 
@@ -174,7 +178,7 @@ Result<SystemRows> trace_system(const RowScene& scene, const TracedSystem& syste
   rows.clusters.resize(clusters);
   rows.elements.resize(system.surface.surface.elements.size());
   rows.element_back_face_share.resize(rows.elements.size());
-  rows.element_rays.resize(rows.elements.size());
+  rows.element_rays.resize(rows.elements.size(), {limits.rays, 0.0f});
   const auto members = members_of_clusters(system.surface);
   const NodePoints nodes(limits, node_quality);
   Workers workers([&] { return Worker(scene); });
@@ -182,7 +186,7 @@ Result<SystemRows> trace_system(const RowScene& scene, const TracedSystem& syste
   for (std::uint32_t first = 0; first < clusters && !progress.cancelled();) {
     const std::uint32_t last = taker ? batch_end(members, first) : clusters;
     tbb::parallel_for(first, last, [&](std::uint32_t c) {
-      if (progress.cancelled()) return;
+      if (progress.cancelled() || !in_sample(c, limits.every)) return;
       const std::uint32_t node = system.node(members[c][0]);
       trace_cluster(scene, system, members[c], nodes.points(node), nodes.limits(node), workers.local(),
                     rows.clusters[c], rows);
@@ -250,7 +254,7 @@ Result<SensorRows> trace_sensors(const RowScene& scene, std::span<const SurfaceP
   Workers workers([&] { return Worker(scene); });
   Progress progress(observer, "sensors", points.size());
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
-    if (progress.cancelled()) return;
+    if (progress.cancelled() || i % limits.every != 0) return;
     const Receiver receiver = Receiver::point(points[i]);
     auto traced = trace_neighbours({&receiver, 1}, samples, limits, workers.local(), result.rays[i]);
     result.rows[i] = std::move(traced[0].row);

@@ -31,12 +31,25 @@ struct RayLimits {
                               ///< together, divided by the rays of each, is larger; 0: `rays` at once
   double area = 0.0;          ///< m2, of elements on average: noise counts by area
   const Probing* probing = nullptr;  ///< needed with an exchange
+  std::uint32_t every = 1;           ///< only rows in_sample() are traced, the others stay empty
 };
+
+/// Whether rows of a cluster and its elements belong to a sample of one in `every` tiles of 8 clusters of
+/// each system.
+inline bool in_sample(std::uint32_t cluster, std::uint32_t every) {
+  return cluster / 8 % every == 0;
+}
 
 struct RowCounts {
   std::uint64_t rays = 0;
   std::uint64_t occlusion_rays = 0;
+  std::uint64_t cluster_entries = 0,
+                element_entries = 0;  ///< form factors of full rows, of lumels' own elements
 };
+
+/// Clusters go in batches of about so many elements where rows are cut, so that full ones need not be held
+/// together.
+inline constexpr std::size_t kBatchElements = 16384;
 
 /// An element most of whose rays meet back faces lies inside other geometry: it does not count towards its
 /// cluster's row, unless all of them do.

@@ -36,11 +36,12 @@ Result<Survey> survey(RowScene& scene, const std::vector<Chart>& charts,
                       RowCounts& counts, const ProgressObserver& observer) {
   auto halves = trace_survey(scene, charts, surfaces, counts, observer);
   if (!halves) return tl::unexpected(halves.error());
-  std::vector<std::uint32_t> rooms = rooms_of(surfaces, mean_rows(*halves, sender_count(scene)));
-  std::vector<std::uint32_t> numbers;
   Survey result;
+  result.rows = mean_rows(*halves, sender_count(scene));
+  std::vector<std::uint32_t> rooms = rooms_of(surfaces, result.rows);
+  std::vector<std::uint32_t> numbers;
   result.senders = number_senders(emitters, rooms, scene.sky_resolution, surfaces, numbers);
-  for (auto* rows : {&halves->first, &halves->second}) {
+  for (auto* rows : {&halves->first, &halves->second, &result.rows}) {
     renumber(numbers, *rows);
     *rows = reordered(std::move(*rows), numbers);
   }

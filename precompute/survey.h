@@ -15,6 +15,7 @@ namespace relume {
 struct Survey {
   SenderTree senders;
   Probing probing;
+  std::vector<FormFactorRow> rows;  ///< per sender that is a cluster
 };
 
 /// Traces the survey and gives clusters the numbers of its cluster tree: in `surfaces`, `lookup`, `emitters`,

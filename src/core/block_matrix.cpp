@@ -149,6 +149,18 @@ void append_values(const EncodedTile& tile, MatrixBlock& block) {
   if (block.codec == ValueCodec::sqrt8) write_codes<std::uint8_t>(tile, block.tile_rows, out);
 }
 
+/// Calls visit(column, value) for the values of a row of a block that are not zero.
+template <class Visit>
+void visit_row(const MatrixBlock& block, std::uint32_t row, Visit&& visit) {
+  const std::uint32_t tile = row / block.tile_rows;
+  const std::uint32_t lane = row % block.tile_rows;
+  for (std::uint32_t entry = block.tile_offsets[tile]; entry < block.tile_offsets[tile + 1]; ++entry) {
+    const std::size_t index = std::size_t{entry} * block.tile_rows + lane;
+    const double value = unscaled_value(block.codec, block.values, index) * block.row_scales[row];
+    if (value != 0.0) visit(block.columns[entry], value);
+  }
+}
+
 }  // namespace
 
 std::size_t value_bytes(ValueCodec codec) {
@@ -220,15 +232,10 @@ CsrMatrix decode(const BlockMatrix& matrix) {
   csr.row_offsets.push_back(0);
   for (const MatrixBlock& block : matrix.blocks) {
     for (std::uint32_t row = 0; row < block.row_count; ++row) {
-      const std::uint32_t tile = row / block.tile_rows;
-      const std::uint32_t lane = row % block.tile_rows;
-      for (std::uint32_t entry = block.tile_offsets[tile]; entry < block.tile_offsets[tile + 1]; ++entry) {
-        const std::size_t index = std::size_t{entry} * block.tile_rows + lane;
-        const double value = unscaled_value(block.codec, block.values, index) * block.row_scales[row];
-        if (value == 0.0) continue;
-        csr.column_indices.push_back(block.columns[entry]);
+      visit_row(block, row, [&](std::uint32_t column, double value) {
+        csr.column_indices.push_back(column);
         csr.values.push_back(value);
-      }
+      });
       csr.row_offsets.push_back(csr.values.size());
     }
   }
@@ -239,13 +246,16 @@ MatrixSummary summarise(const BlockMatrix& matrix) {
   MatrixSummary summary;
   summary.rows = matrix.rows;
   summary.columns = matrix.columns;
-  for (const MatrixBlock& block : matrix.blocks) summary.bytes += block_bytes(block);
-  const CsrMatrix csr = decode(matrix);
-  summary.nonzeros = csr.values.size();
-  for (std::uint32_t row = 0; row < csr.rows; ++row) {
-    const auto begin = csr.values.begin() + static_cast<std::ptrdiff_t>(csr.row_offsets[row]);
-    const auto end = csr.values.begin() + static_cast<std::ptrdiff_t>(csr.row_offsets[row + 1]);
-    summary.max_row_sum = std::max(summary.max_row_sum, std::accumulate(begin, end, 0.0));
+  for (const MatrixBlock& block : matrix.blocks) {
+    summary.bytes += block_bytes(block);
+    for (std::uint32_t row = 0; row < block.row_count; ++row) {
+      double sum = 0.0;
+      visit_row(block, row, [&](std::uint32_t, double value) {
+        ++summary.nonzeros;
+        sum += value;
+      });
+      summary.max_row_sum = std::max(summary.max_row_sum, sum);
+    }
   }
   return summary;
 }

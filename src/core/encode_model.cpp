@@ -13,6 +13,7 @@ using namespace sections;
 /// Values and strings one after the other, without padding. A string is its length in 32 bits and its bytes.
 class ByteWriter {
  public:
+  void reserve(std::size_t bytes) { bytes_.reserve(bytes); }
   template <class T>
   void put(const T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -107,6 +108,7 @@ void add_occluders(const Occluders& occluders, SectionWriter& file) {
 void add_matrix(const BlockMatrix& matrix, std::string_view id, std::uint32_t owner, SectionWriter& file) {
   for (const MatrixBlock& block : matrix.blocks) {
     ByteWriter bytes;
+    bytes.reserve(block_bytes(block) + 64);
     bytes.put(BlockHeader{block.first_row, block.row_count, block.tile_rows,
                           static_cast<std::uint32_t>(block.codec),
                           static_cast<std::uint32_t>(block.tile_offsets.size()),
@@ -137,10 +139,26 @@ void add_system(const System& system, std::uint32_t index, SectionWriter& file) 
   add_matrix(system.gather, kGatherBlock, index, file);
 }
 
+/// About what a model's file takes: matrices, and the most of the rest.
+std::size_t likely_bytes(const Model& model) {
+  constexpr std::size_t kSlack = 1u << 16, kPerTriangle = 128, kPerPosition = 12;
+  std::size_t bytes = kSlack + kPerTriangle * model.occluders.triangles.size() +
+                      kPerPosition * model.occluders.positions.size();
+  for (const System& system : model.systems) {
+    bytes += system.elements.size() * sizeof(SurfaceElement) + system.pieces.size() * sizeof(SurfacePiece) +
+             system.lumels.size() * sizeof(Lumel) + system.clusters.size() * sizeof(Cluster) + kSlack;
+    for (const BlockMatrix* matrix : {&system.bounce, &system.gather}) {
+      for (const MatrixBlock& block : matrix->blocks) bytes += block_bytes(block) + kSlack / 64;
+    }
+  }
+  return bytes;
+}
+
 }  // namespace
 
 std::vector<std::byte> encode_model(const Model& model) {
   SectionWriter file;
+  file.reserve(likely_bytes(model));
   add_info(model, file);
   file.add_array(kSkyCells, kNone, model.sky_cells);
   file.add_array(kSkyTree, kNone, model.sky_tree);

@@ -140,11 +140,11 @@ std::vector<std::byte> SectionWriter::finish() && {
   header.file_bytes = body_begin + body_.size();
   header.checksum = table_checksum(header, records_);
 
-  std::vector<std::byte> file(body_begin);
-  std::memcpy(file.data(), &header, sizeof header);
-  if (!records_.empty()) std::memcpy(file.data() + sizeof header, records_.data(), table_end - sizeof header);
-  file.insert(file.end(), body_.begin(), body_.end());
-  return file;
+  body_.insert(body_.begin(), body_begin, std::byte{0});
+  std::memcpy(body_.data(), &header, sizeof header);
+  if (!records_.empty())
+    std::memcpy(body_.data() + sizeof header, records_.data(), table_end - sizeof header);
+  return std::move(body_);
 }
 
 std::uint64_t table_bytes(const FileHeader& header) {

@@ -57,6 +57,9 @@ std::string describe(const SectionRecord& record);
 /// Collects sections and lays out the file. Empty sections are left out.
 class SectionWriter {
  public:
+  /// Room for about so many bytes, so that they need not be moved while they grow.
+  void reserve(std::size_t bytes) { body_.reserve(bytes); }
+
   void add(std::string_view id, std::uint32_t owner, std::span<const std::byte> bytes,
            std::uint32_t flags = 0);
 
@@ -77,10 +80,10 @@ class SectionWriter {
 /// Bytes of header and table of a file that begins with `header`.
 std::uint64_t table_bytes(const FileHeader& header);
 
-/// The table of a file of `file_bytes` bytes, of which `head` is the beginning, as far as table_bytes says: header, table and layout
-/// are verified. `name` is used in messages.
-Result<std::vector<SectionRecord>> read_section_table(std::span<const std::byte> head, std::uint64_t file_bytes,
-                                                      const std::string& name);
+/// The table of a file of `file_bytes` bytes, of which `head` is the beginning, as far as table_bytes says:
+/// header, table and layout are verified. `name` is used in messages.
+Result<std::vector<SectionRecord>> read_section_table(std::span<const std::byte> head,
+                                                      std::uint64_t file_bytes, const std::string& name);
 
 /// Verifies the checksum of one section that was read.
 Result<Section> check_section(const SectionRecord& record, std::span<const std::byte> bytes,

@@ -31,6 +31,15 @@ std::optional<double> parse_share(const std::string& text) {
   return percent ? std::optional(*percent / 100.0) : std::nullopt;
 }
 
+/// "500M", "2G" or plain bytes.
+std::optional<double> parse_bytes(const std::string& text) {
+  constexpr std::string_view kUnits = "KMGT";
+  const std::size_t unit = text.empty() ? std::string_view::npos : kUnits.find(text.back());
+  if (unit == std::string_view::npos) return parse_number(text);
+  const std::optional<double> number = parse_number(text.substr(0, text.size() - 1));
+  return number ? std::optional(std::floor(*number * std::pow(1000.0, double(unit + 1)))) : std::nullopt;
+}
+
 /// Which numbers an option takes, and how it calls them.
 struct NumberKind {
   const char* metavar;
@@ -49,9 +58,12 @@ constexpr double kTiny = 1e-30;
 constexpr double kLargestCount = 4294967295.0;
 constexpr NumberKind kLength{"M", parse_number, kTiny, 1e12, false, "a length above 0 in metres"};
 constexpr NumberKind kShare{"E", parse_share, kTiny, 1e12, false, "a relative error above 0, as 0.01 or 1%"};
+constexpr NumberKind kTarget{"E",    parse_share, kTiny,
+                             0.9999, false,       "a relative error above 0 and below 100%, as 0.02 or 2%"};
 constexpr NumberKind kAlbedo{"A", parse_number, kTiny, 0.9999, false, "a number above 0, at most 0.9999"};
 constexpr NumberKind kRadiosity{"LM/M2", parse_number, 0.0, 1e30, false, "a number of at least 0"};
 constexpr NumberKind kCount{"N", parse_number, 1.0, kLargestCount, true, "a whole number of at least 1"};
+constexpr NumberKind kBytes{"BYTES", parse_bytes, 1.0, 1e18, true, "a number of bytes, as 500M or 2G"};
 constexpr NumberKind kCountOrZero{"N",           parse_number, 0.0,
                                   kLargestCount, true,         "a whole number of at least 0"};
 
@@ -162,6 +174,9 @@ class Parser {
       return fail(ErrorCode::usage,
                   "export: expected --matrices, --glb or --debug, found none; see relume export --help.");
     }
+    if (precompute_.output.empty() && !precompute_.dry_run && app_.got_subcommand("precompute")) {
+      return fail(ErrorCode::usage, "--output is required; see relume --help.");
+    }
     if (bounces_) solve_.rule = {*bounces_, 0.0};
     return ParsedArguments{chosen(), mode_};
   }
@@ -179,8 +194,8 @@ class Parser {
     CLI::App& command = add_command("precompute", "Trace a scene once: clusters, lumels and form factors");
     PrecomputeOptions& options = precompute_.options;
     add_path(command, "SCENE", "", precompute_.scene, "glTF scene (.gltf, .glb)")->required();
-    add_path(command, "-o,--output", "FILE", precompute_.output, "The .relume file to write")->required();
-    add_number(command, "--error", options.error, kShare,
+    add_path(command, "-o,--output", "FILE", precompute_.output, "The .relume file to write");
+    add_number(command, "--error", options.error, kTarget,
                "Target for indirect light in each room, 2% or 0.02; what follows is then chosen from it");
     add_number(command, "--quality", options.quality, kCount, "Rays per lumel (default 512)");
     add_number(command, "--sensor-quality", options.sensor_quality, kCount,
@@ -200,6 +215,10 @@ class Parser {
                "Albedos above are clamped (default 0.95)");
     add_number(command, "--threads", options.threads, kCount, "Default: all");
     add_number(command, "--seed", options.seed, kCountOrZero, "Default 0");
+    add_number(command, "--max-memory", options.max_memory, kBytes,
+               "Refused before the long work when it needs more; 500M, 2G");
+    command.add_flag("--dry-run", precompute_.dry_run,
+                     "Estimate rows, form factors, bytes, time and memory; writes nothing");
   }
 
   void add_info_and_check() {

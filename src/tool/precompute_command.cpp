@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "core/model_file.h"
+#include "precompute/process_memory.h"
 #include "scene/load_scene.h"
 #include "tool/interrupt.h"
 #include "tool/model_summary.h"
@@ -39,6 +40,7 @@ JsonObject report_json(const PrecomputeArguments& arguments, const PrecomputeRep
   object.insert(object.end(), {{"texel_size", report.texel_size},
                                {"cluster_size", report.cluster_size},
                                {"rays", report.rays},
+                               {"peak_memory", peak_resident_bytes()},
                                {"occlusion_rays", report.occlusion_rays},
                                {"invalid_lumels", report.invalid_lumels},
                                {"split_lumels", report.split_lumels},
@@ -54,6 +56,29 @@ JsonObject report_json(const PrecomputeArguments& arguments, const PrecomputeRep
   return object;
 }
 
+Result<int> say_estimate(const PrecomputeArguments& arguments, const PrecomputeEstimate& estimate,
+                         const PrecomputeReport& report, Console& console) {
+  for (const std::string& warning : report.warnings) console.warn(warning);
+  console.say(fmt::format("{}: about {} rows, {:.3g} million form factors, {:.1f} million rays",
+                          arguments.scene.string(), estimate.rows, 1e-6 * double(estimate.nonzeros),
+                          1e-6 * double(estimate.rays)));
+  console.say(fmt::format("  about {:.1f} MB of file, {:.1f} s, {:.0f} MB of memory; nothing is written",
+                          1e-6 * double(estimate.file_bytes), estimate.seconds,
+                          1e-6 * double(estimate.memory_bytes)));
+  console.say(
+      fmt::format("  --texel-size {:.3g} --cluster-size {:.3g} (m)", report.texel_size, report.cluster_size));
+  console.finish({{"dry_run", true},
+                  {"rows", estimate.rows},
+                  {"nonzeros", estimate.nonzeros},
+                  {"rays", estimate.rays},
+                  {"bytes", estimate.file_bytes},
+                  {"seconds", estimate.seconds},
+                  {"memory", estimate.memory_bytes},
+                  {"texel_size", report.texel_size},
+                  {"cluster_size", report.cluster_size}});
+  return 0;
+}
+
 /// A scene that cannot be written later should not be traced first.
 Result<void> check_output(const std::filesystem::path& output) {
   const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : ".";
@@ -66,7 +91,8 @@ Result<void> check_output(const std::filesystem::path& output) {
 }  // namespace
 
 Result<int> run(const PrecomputeArguments& arguments, Console& console) {
-  if (const Result<void> ready = check_output(arguments.output); !ready) return tl::unexpected(ready.error());
+  if (const Result<void> ready = check_output(arguments.output); !ready && !arguments.dry_run)
+    return tl::unexpected(ready.error());
   PrecomputeOptions options = arguments.options;
   if (arguments.sensors) {
     Result<std::vector<SensorPoint>> sensors = read_sensors(*arguments.sensors);
@@ -82,6 +108,12 @@ Result<int> run(const PrecomputeArguments& arguments, Console& console) {
     console.progress(stage, fraction);
     return !interrupted();
   };
+  if (arguments.dry_run) {
+    const auto estimate = estimate_precompute(*scene, options, report, observe);
+    console.end_progress();
+    if (!estimate) return tl::unexpected(estimate.error());
+    return say_estimate(arguments, *estimate, report, console);
+  }
   const Result<Model> model = precompute(*scene, options, report, observe);
   console.end_progress();
   if (!model) return tl::unexpected(model.error());

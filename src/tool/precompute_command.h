@@ -12,6 +12,7 @@ namespace relume {
 struct PrecomputeArguments {
   std::filesystem::path scene;
   std::filesystem::path output;
+  bool dry_run = false;       ///< nothing is written, and `output` may be empty
   PrecomputeOptions options;  ///< without sensors
   std::optional<std::filesystem::path> sensors;
 };

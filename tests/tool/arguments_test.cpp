@@ -52,6 +52,18 @@ TEST(Arguments, MisuseEndsWithStatus2AndASentence) {
       {{"precompute", "a.glb", "-o", "a.relume", "--quality", "1.5"}, "found '1.5'"},
       {{"precompute", "a.glb", "-o", "a.relume", "--cluster-size", "-1"},
        "expected a length above 0 in metres"},
+      {{"precompute", "a.glb", "-o", "a.relume", "--error", "0"},
+       "--error: expected a relative error above 0 and below 100%, as 0.02 or 2%, found '0'"},
+      {{"precompute", "a.glb", "-o", "a.relume", "--error", "-2%"}, "below 100%, as 0.02 or 2%, found '-2%'"},
+      {{"precompute", "a.glb", "-o", "a.relume", "--error", "100%"},
+       "below 100%, as 0.02 or 2%, found '100%'"},
+      {{"precompute", "a.glb", "-o", "a.relume", "--budget", "-3"}, "--budget: expected a whole number"},
+      {{"precompute", "a.glb"}, "--output is required"},
+      {{"precompute", "a.glb", "-o", "a.relume", "--max-memory", "2X"},
+       "--max-memory: expected a number of bytes, as 500M or 2G, found '2X'"},
+      {{"precompute", "a.glb", "-o", "a.relume", "--max-memory", "-1G"}, "found '-1G'"},
+      {{"precompute", "a.glb", "-o", "a.relume", "--texel-size", "-0.1"},
+       "--texel-size: expected a length above 0 in metres, found '-0.1'"},
       {{"precompute", "a.glb", "-o", "a.relume", "--max-albedo", "1"}, "at most 0.9999, found '1'"},
       {{"precompute", "a.glb", "-o", "a.relume", "--texel-size", "nan"}, "found 'nan'"},
       {{"solve", "a.relume", "-o", "a", "--bounces", "3", "--tolerance", "1%"},
@@ -76,6 +88,26 @@ TEST(Arguments, MisuseEndsWithStatus2AndASentence) {
     EXPECT_THAT(finished.err, StartsWith("relume: "));
     EXPECT_EQ(std::count(finished.err.begin(), finished.err.end(), '\n'), 1) << finished.err;
     EXPECT_EQ(finished.out, "");
+  }
+}
+
+TEST(Arguments, KnobsBeyondTheSceneEndWithStatus2AndTheNumberNeeded) {
+  const std::filesystem::path folder = fresh_folder();
+  // A cube of 1 m; two rooms joined by a door: whoever sees through it sees two cluster trees.
+  const std::string box = make_scene("furnace_box", folder), rooms = make_scene("two_rooms", folder);
+  const std::vector<Misuse> misuses{
+      {{box, "--cluster-size", "2"}, "cluster size 2: expected at most the diagonal of the scene, 1.732 m"},
+      {{box, "--texel-size", "1.8"}, "texel size 1.8: expected at most the diagonal of the scene, 1.732 m"},
+      {{rooms, "--cluster-size", "0.5", "--texel-size", "0.25", "--budget", "1"},
+       "budget 1: expected at least "},
+  };
+  for (const Misuse& misuse : misuses) {
+    std::vector<std::string> arguments{"precompute", "-o", (folder / "a.relume").string()};
+    arguments.insert(arguments.end(), misuse.arguments.begin(), misuse.arguments.end());
+    const Finished finished = run_relume(arguments);
+    EXPECT_EQ(finished.status, 2) << misuse.sentence;
+    EXPECT_THAT(finished.err, HasSubstr(misuse.sentence));
+    EXPECT_FALSE(std::filesystem::exists(folder / "a.relume"));
   }
 }
 
