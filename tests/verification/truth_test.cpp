@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <numeric>
 
 #include "precompute/surface_factors.h"
@@ -137,6 +138,43 @@ TEST_F(Truth, SealedRoomStaysDark) {
   const double lit = sums[0] / (3.0 * counts[0]);
   EXPECT_LT(sums[1] / (3.0 * counts[1]), 1e-4 * lit);
   EXPECT_LT(largest, 1e-4 * lit);
+}
+
+/// Light that no precompute knows, against a truth that none of it had a part in: the error is below what was
+/// asked for in each room. Returns how large it is.
+double worst_room(const RoomTruth& truth, const std::vector<Rgb>& indirect) {
+  std::map<std::string, std::pair<std::vector<Rgb>, std::vector<Rgb>>> rooms;
+  for (std::size_t i = 0; i < indirect.size(); ++i) {
+    auto& [values, expected] = rooms[truth.room.empty() ? "" : truth.room[i]];
+    values.push_back(indirect[i]);
+    expected.push_back(truth.indirect[i]);
+  }
+  double worst = 0.0;
+  for (const auto& [name, room] : rooms) {
+    if (name != "door") worst = std::max(worst, agreement(room.first, room.second).nrmse);
+  }
+  return worst;
+}
+
+TEST_F(Truth, ErrorTargetsAreKeptInEveryRoom) {
+  for (const double error : {0.05, 0.03}) {
+    const auto reached = [&](const Model& model, const std::string& name, bool sky) {
+      return worst_room(read_room_truth(folder_ / (name + ".json")),
+                        sensors_under(model, name, sky).indirect);
+    };
+    PrecomputeOptions options;
+    options.error = error;
+    options.sensors = read_sensors(folder_ / "room_sensors.csv");
+    PrecomputeReport report;
+    const Model room = precompute_or_throw(scene("room_A"), options, &report);
+    EXPECT_LT(report.error.total(), 1.2 * error);
+    EXPECT_LT(reached(room, "room_A", true), error);
+    EXPECT_LT(reached(room, "room_B", false), error);
+    EXPECT_LT(reached(room, "room_C", true), error);
+    options.sensors = read_sensors(folder_ / "two_rooms_sensors.csv");
+    const Model rooms = precompute_or_throw(scene("two_rooms_A"), options);
+    EXPECT_LT(reached(rooms, "two_rooms_A", false), error);
+  }
 }
 
 TEST_F(Truth, FormFactorsBetweenSurfaces) {
