@@ -13,6 +13,7 @@
 #include "core/quantities.h"
 #include "core/sky.h"
 #include "precompute/clearance.h"
+#include "precompute/probe_means.h"
 #include "precompute/rows.h"
 #include "precompute/sampling.h"
 
@@ -115,7 +116,7 @@ class Prober {
     bounce();
     weigh();
     vary();
-    result_.nodes = node_means(result_.senders);
+    result_.nodes = node_means(scene_.senders, result_.senders);
     return std::move(result_);
   }
 
@@ -138,10 +139,6 @@ class Prober {
   static std::vector<ProbeValues> irradiance(const std::vector<FormFactorRow>& rows,
                                              const std::vector<ProbeValues>& senders);
   double cluster_error() const;
-  std::vector<ProbeValues> node_means(const std::vector<ProbeValues>& senders) const;
-  /// Senders with the mean of up to four neighbours each, as a model of clusters of twice the size would have
-  /// them.
-  std::vector<ProbeValues> coarser(const std::vector<ProbeValues>& senders) const;
   /// Root mean square over each room, by area.
   std::vector<ProbeValues> room_means(const std::vector<ProbeValues>& clusters) const;
 
@@ -336,7 +333,7 @@ double Prober::cluster_error() const {
   for (std::size_t c = 0; c < clusters_.size(); ++c) {
     for (std::size_t p = 0; p < kProbes; ++p) reflected[c][p] = result_.senders[c][p] - emitted_[c][p];
   }
-  std::vector<ProbeValues> change = coarser(reflected);
+  std::vector<ProbeValues> change = coarser(scene_.senders, clusters_.size(), reflected);
   for (std::size_t i = 0; i < change.size(); ++i) {
     for (std::size_t p = 0; p < kProbes; ++p) change[i][p] -= reflected[i][p];
   }
@@ -355,46 +352,6 @@ double Prober::cluster_error() const {
   }
   // From twice the size down to this one: of first to second order in the size, half of the change is left.
   return area > 0.0 ? std::sqrt(std::max(sum, 0.0) / area) / 2.0 : 0.0;
-}
-
-std::vector<ProbeValues> Prober::node_means(const std::vector<ProbeValues>& senders) const {
-  const ClusterTree& tree = scene_.senders.tree;
-  std::vector<ProbeValues> means(tree.nodes.size());
-  std::vector<double> weights(tree.nodes.size());
-  // Children stand after their parents.
-  for (std::size_t n = tree.nodes.size(); n-- > 0;) {
-    const TreeNodeRange& node = tree.nodes[n];
-    if (node.count == 1) {
-      means[n] = senders[node.first];
-      weights[n] = scene_.senders.weights[node.first];
-      continue;
-    }
-    weights[n] = weights[node.left] + weights[node.left + 1];
-    const auto share = float(weights[node.left] / weights[n]);
-    for (std::size_t p = 0; p < kProbes; ++p)
-      means[n][p] = share * means[node.left][p] + (1.0f - share) * means[node.left + 1][p];
-  }
-  return means;
-}
-
-std::vector<ProbeValues> Prober::coarser(const std::vector<ProbeValues>& senders) const {
-  constexpr std::uint32_t kOfTwiceTheSize = 4;
-  const ClusterTree& tree = scene_.senders.tree;
-  const std::vector<ProbeValues> means = node_means(senders);
-  std::vector<ProbeValues> result = senders;
-  std::vector<std::uint32_t> open = tree.roots;
-  while (!open.empty()) {
-    const TreeNodeRange node = tree.nodes[open.back()];
-    const ProbeValues& mean = means[open.back()];
-    open.pop_back();
-    if (node.first >= clusters_.size()) continue;
-    if (node.count > kOfTwiceTheSize) {
-      open.insert(open.end(), {node.left, node.left + 1});
-    } else {
-      std::fill_n(result.begin() + node.first, node.count, mean);
-    }
-  }
-  return result;
 }
 
 }  // namespace
