@@ -97,7 +97,7 @@ double root_mean_square(const std::vector<CutTile>& tiles) {
 }
 
 void estimate_errors(const TracedRows& rows, const Surfaces& surfaces, const Probing& probing, double asked,
-                     PrecomputeReport& report) {
+                     ValueCodec codec, PrecomputeReport& report) {
   double squares = 0.0, area = 0.0;
   for (std::size_t s = 0; s < rows.systems.size(); ++s) {
     for (std::size_t e = 0; e < rows.systems[s].element_rays.size(); ++e) {
@@ -108,6 +108,7 @@ void estimate_errors(const TracedRows& rows, const Surfaces& surfaces, const Pro
     }
   }
   report.error.clusters = probing.cluster_error;
+  report.error.precision = precision_error(codec);
   report.error.rays = area > 0.0 ? std::sqrt(squares / area) : 0.0;
   for (const SystemTiles& tiles : rows.tiles)
     report.error.cut = std::max(report.error.cut, root_mean_square(tiles.lumels));
@@ -214,7 +215,7 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
   report.rays = counts.rays;
   report.occlusion_rays += counts.occlusion_rays;
   report.seconds_rays += seconds_since(rays_start);
-  if (plan.cut) estimate_errors(*rows, surfaces, *prepared.probing, options.error, report);
+  if (plan.cut) estimate_errors(*rows, surfaces, *prepared.probing, options.error, plan.codec, report);
 
   const auto rows_start = std::chrono::steady_clock::now();
   if (observer && !observer("rows", 0.0))

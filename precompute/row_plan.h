@@ -24,6 +24,11 @@ struct RowPlan {
   ValueCodec codec = ValueCodec::f32;
 };
 
+/// What stored values cost, at an albedo of 0.8: no more than tests/verification/precision_test.cpp finds.
+constexpr double precision_error(ValueCodec codec) {
+  return codec == ValueCodec::sqrt8 ? 0.006 : codec == ValueCodec::unorm16 ? 1e-4 : 0.0;
+}
+
 /// What nodes ask for stands, then what options ask for themselves; the rest follows from the error target,
 /// if there is one. `probing` of the limits is still empty.
 RowPlan plan_rows(const PrecomputeOptions& options, const Scene& scene);

@@ -19,8 +19,10 @@ void say_report(const PrecomputeArguments& arguments, const PrecomputeReport& re
                           1e-6 * static_cast<double>(file_bytes), report.seconds_total,
                           1e-6 * static_cast<double>(report.rays + report.occlusion_rays)));
   for (const std::string& line : summary_lines(summarise_model(model))) console.say("  " + line);
-  console.say(
-      fmt::format("  --texel-size {:.3g} --cluster-size {:.3g} (m)", report.texel_size, report.cluster_size));
+  const bool by_clearance = arguments.options.error > 0.0 && arguments.options.cluster_size <= 0.0;
+  console.say(fmt::format("  --texel-size {:.3g} {} (m)", report.texel_size,
+                          by_clearance ? "and clusters as small as the error asks for"
+                                       : fmt::format("--cluster-size {:.3g}", report.cluster_size)));
   if (report.error.total() > 0.0) {
     console.say(fmt::format(
         "  estimated error {:.2g} %: clusters {:.2g} %, rays {:.2g} %, cut {:.2g} %, precision {:.2g} %",
