@@ -69,12 +69,27 @@ struct FreePlace {
   float radius = 0.0f;                   ///< m, to the nearest surface
 };
 
-/// Over what faces up, where anything does, with something opposite that faces it; of a few the farthest from
-/// all: not inside geometry.
+/// Of all directions, the share that ends on the front of a surface.
+double enclosure(const Geometry& geometry, const RayCaster& caster, const glm::vec3& place) {
+  constexpr int kDirections = 64;
+  int fronts = 0;
+  for (int i = 0; i < kDirections; ++i) {
+    const double y = 1.0 - (2.0 * i + 1.0) / kDirections, around = 2.399963 * i;
+    const glm::vec3 way(std::sqrt(1.0 - y * y) * std::cos(around), y, std::sqrt(1.0 - y * y) * std::sin(around));
+    std::uint32_t triangle = 0;
+    free_distance(geometry, caster, {place, glm::vec3(0.0f)}, way, triangle);
+    if (triangle != kNoTriangle && glm::dot(geometry.normals[triangle], way) < 0.0f) ++fronts;
+  }
+  return double(fronts) / kDirections;
+}
+
+/// Over what faces up, where anything does, with something opposite that faces it. Of a few such places, one
+/// that is inside a room (all around are fronts), if any is, and of those the farthest from all surfaces.
 FreePlace free_place(const Geometry& geometry, const RayCaster& caster, SurfaceDraw& draw) {
+  constexpr double kInside = 0.8;
   FreePlace best;
-  int found = 0;
-  for (int tries = 0; tries < 2000 && found < 6; ++tries) {
+  bool best_inside = false;
+  for (int tries = 0, inside = 0; tries < 2000 && inside < 6; ++tries) {
     const SurfacePoint at = draw.next();
     if (at.normal.y < 0.7f && tries < 500) continue;
     const double share = 0.2 + 0.6 * draw.random();
@@ -84,8 +99,11 @@ FreePlace free_place(const Geometry& geometry, const RayCaster& caster, SurfaceD
     const float room = std::min(distance, 0.25f * glm::length(geometry.upper - geometry.lower));
     const glm::vec3 place = at.position + room * float(share) * at.normal;
     const float radius = std::min(free_radius(caster, place), room);
-    ++found;
-    if (radius > best.radius) best = {place, -at.normal, radius};
+    const bool is_inside = enclosure(geometry, caster, place) >= kInside;
+    inside += is_inside ? 1 : 0;
+    if (is_inside < best_inside || (is_inside == best_inside && radius <= best.radius)) continue;
+    best = {place, -at.normal, radius};
+    best_inside = is_inside;
   }
   return best;
 }
