@@ -45,7 +45,6 @@ SetPlan plan_solve_set(std::span<const BufferRange> ranges, std::uint32_t half_i
   plan.bindings[kernels::kDirectBinding] = whole(ranges[kDirect]);
   plan.bindings[kernels::kWeightsBinding] = whole(ranges[kWeights]);
   plan.bindings[kernels::kResidualBinding] = whole(ranges[kResidual]);
-  plan.bindings[kernels::kLeafWeightsBinding] = whole(ranges[kLeafWeights]);
   return plan;
 }
 
@@ -54,6 +53,7 @@ SetPlan plan_system_set(const SystemLayout& system, std::span<const BufferRange>
   SetPlan plan{kernels::kSystemSet, &set, std::vector<VkDescriptorBufferInfo>(kernels::kSystemBindings), {}};
   plan.bindings[kernels::kImportsBinding] = whole(ranges[system.imports_buffer]);
   plan.bindings[kernels::kLocalRadiosityBinding] = whole(ranges[system.local_radiosity_buffer]);
+  plan.bindings[kernels::kImportSharesBinding] = whole(ranges[system.import_shares_buffer]);
   plan.bindings[kernels::kIrradianceBinding] = whole(ranges[system.irradiance_buffer]);
   plan.texels = {{kernels::kLocalRadiosityTexelsBinding, kernels::kLocalRadiosityBinding,
                   VK_FORMAT_R32G32B32A32_SFLOAT, kRgbBytes}};

@@ -48,29 +48,38 @@ std::vector<std::byte> device_bytes(const std::vector<Rgb>& values) {
   return owned_bytes(converted);
 }
 
-kernels::uvec4 range_record(const LeafRange& range) {
-  return {range.first, range.count, 0, 0};
+/// An import table as the device reads it (kernels/shared/bindings.h).
+struct ImportTable {
+  std::vector<kernels::uvec4> records;  ///< per import, then the ranges of nodes above the systems
+  std::vector<float> shares;
+};
+
+/// Appends the shares of the leaves.
+kernels::uvec4 range_record(const LeafRange& range, std::vector<float>& shares) {
+  const auto first = static_cast<kernels::uint>(shares.size());
+  for (std::uint32_t i = 0; i < range.count; ++i) shares.push_back(static_cast<float>(range.share_of(i)));
+  return {range.first, range.count, first, 0};
 }
 
-/// A record per import, then the ranges of nodes above the systems (kernels/shared/bindings.h).
-std::vector<kernels::uvec4> import_records(const System& system, const LeafNumbers& numbers) {
-  std::vector<kernels::uvec4> records, ranges;
+ImportTable import_table(const System& system, const LeafNumbers& numbers) {
+  ImportTable table;
+  std::vector<kernels::uvec4> ranges;
   for (const SenderRef& sender : system.imports) {
     const SenderLeaves leaves = numbers.leaves_of(sender);
     kernels::uvec4 record{0, 0, 0, 0};
     if (sender.system == kSpanningNodes) {
       record.x = static_cast<kernels::uint>(system.imports.size() + ranges.size());
       record.w = static_cast<kernels::uint>(leaves.ranges.size());
-      for (const LeafRange& range : leaves.ranges) ranges.push_back(range_record(range));
+      for (const LeafRange& range : leaves.ranges) ranges.push_back(range_record(range, table.shares));
+    } else if (share_count(sender, leaves) > 0) {
+      record = range_record(leaves.ranges.front(), table.shares);
     } else if (!leaves.ranges.empty()) {
-      record = range_record(leaves.ranges.front());
+      record = {leaves.ranges.front().first, 1, 0, 0};
     }
-    const double weight = numbers.weight_of(leaves);
-    record.z = std::bit_cast<kernels::uint>(weight > 0.0 ? static_cast<float>(1.0 / weight) : 0.0f);
-    records.push_back(record);
+    table.records.push_back(record);
   }
-  records.insert(records.end(), ranges.begin(), ranges.end());
-  return records;
+  table.records.insert(table.records.end(), ranges.begin(), ranges.end());
+  return table;
 }
 
 }  // namespace
@@ -78,11 +87,11 @@ std::vector<kernels::uvec4> import_records(const System& system, const LeafNumbe
 UploadData model_upload(const Model& model, const SolverLayout& layout) {
   UploadData data;
   const LeafNumbers numbers(model);
-  const std::vector<double>& weights = numbers.weights();
-  data.add_owned(kLeafWeights, 0, owned_bytes(std::vector<float>(weights.begin(), weights.end())));
   for (std::size_t i = 0; i < model.systems.size(); ++i) {
     const System& system = model.systems[i];
-    data.add_owned(layout.systems[i].imports_buffer, 0, owned_bytes(import_records(system, numbers)));
+    const ImportTable imports = import_table(system, numbers);
+    data.add_owned(layout.systems[i].imports_buffer, 0, owned_bytes(imports.records));
+    data.add_owned(layout.systems[i].import_shares_buffer, 0, owned_bytes(imports.shares));
     add_blocks(data, system.bounce, layout.systems[i].bounce);
     add_blocks(data, system.gather, layout.systems[i].gather);
   }

@@ -68,12 +68,15 @@ SystemLayout system_layout(const System& system, const LeafNumbers& numbers, con
   SystemLayout layout;
   layout.imports = static_cast<std::uint32_t>(system.imports.size());
   for (const SenderRef& sender : system.imports) {
+    const SenderLeaves leaves = numbers.leaves_of(sender);
     if (sender.system == kSpanningNodes)
-      layout.import_ranges += static_cast<std::uint32_t>(numbers.leaves_of(sender).ranges.size());
+      layout.import_ranges += static_cast<std::uint32_t>(leaves.ranges.size());
+    layout.import_shares += share_count(sender, leaves);
   }
   const VkDeviceSize records = VkDeviceSize{layout.imports} + layout.import_ranges;
   layout.gather_rows = system.gather.rows;
   layout.imports_buffer = buffers.add(name + " imports", records * sizeof(kernels::uvec4));
+  layout.import_shares_buffer = buffers.add(name + " import shares", layout.import_shares * sizeof(float));
   layout.local_radiosity_buffer = buffers.add(name + " local radiosity", layout.imports * kRgbBytes);
   layout.irradiance_buffer = buffers.add(name + " irradiance", layout.gather_rows * kRgbBytes);
   layout.bounce = matrix_layout(system.bounce, name + " bounce", alignment, buffers);
@@ -92,7 +95,6 @@ void add_solve_buffers(const SolverLayout& layout, BufferList& buffers) {
   buffers.add("direct", cluster_bytes);
   buffers.add("weights", cluster_bytes);
   buffers.add("residual", sizeof(kernels::ResidualRecord));
-  buffers.add("leaf weights", (VkDeviceSize{layout.clusters} + layout.sky_patches) * sizeof(float));
 }
 
 Result<void> check_sizes(const SolverLayout& layout, VkDeviceSize max_range) {
@@ -107,6 +109,13 @@ Result<void> check_sizes(const SolverLayout& layout, VkDeviceSize max_range) {
 }
 
 }  // namespace
+
+std::uint32_t share_count(const SenderRef& sender, const SenderLeaves& leaves) {
+  std::uint32_t count = 0;
+  for (const LeafRange& range : leaves.ranges) count += range.count;
+  const bool leaf = sender.system != kSpanningNodes && count == 1;
+  return leaf ? 0 : count;
+}
 
 Result<SolverLayout> solver_layout(const Model& model, const LayoutLimits& limits) {
   SolverLayout layout;

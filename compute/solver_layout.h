@@ -14,6 +14,7 @@
 #include "compute/host_device.h"
 #include "core/model.h"
 #include "core/result.h"
+#include "core/sender_leaves.h"
 #include "kernels/shared/bindings.h"
 
 namespace relume {
@@ -33,7 +34,6 @@ enum SolveBuffer : std::uint32_t {
   kDirect,
   kWeights,
   kResidual,
-  kLeafWeights,
   kSolveBuffers,
 };
 
@@ -55,7 +55,9 @@ struct SystemLayout {
   std::uint32_t imports = 0;
   std::uint32_t import_ranges = 0;  ///< records after those of the imports: ranges of nodes above the systems
   std::uint32_t gather_rows = 0;
+  std::uint32_t import_shares = 0;  ///< of the leaves of imports that are nodes
   std::uint32_t imports_buffer = 0;
+  std::uint32_t import_shares_buffer = 0;
   std::uint32_t local_radiosity_buffer = 0;
   std::uint32_t irradiance_buffer = 0;
   std::vector<BlockLayout> bounce;
@@ -74,6 +76,9 @@ inline constexpr VkDeviceSize kRgbBytes = 16;
 
 /// Fails with no_device when a buffer is larger than `max_range`. The model must be valid (check_model).
 Result<SolverLayout> solver_layout(const Model& model, const LayoutLimits& limits);
+
+/// Shares that an import has on the device: none for a leaf, which is copied.
+std::uint32_t share_count(const SenderRef& sender, const SenderLeaves& leaves);
 
 /// Elements of the largest texel buffer of a block.
 VkDeviceSize largest_texel_buffer(const SolverLayout& layout);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Brings the radiosity of the senders that a system imports to where its 16-bit columns find it. A leaf is
-// copied; a node is the weighted mean of its leaves, eight invocations to an import, summed like a row
-// (include/row_product.glsl) of weight x radiosity. A node above the systems has a range of leaves in each of
+// copied; a node is the mean of its leaves by their shares, eight invocations to an import, summed like a
+// row (include/row_product.glsl) of share x radiosity. A node above the systems has a range of leaves in each of
 // them: each lane sums its part of every range, and then these sums, one after the other. What is not loaded is
 // black.
 #version 450
@@ -15,11 +15,11 @@
 layout(set = kSolveSet, binding = kRadiosityInBinding, std430) readonly restrict buffer RadiosityIn {
   vec4 radiosity_in[];
 };
-layout(set = kSolveSet, binding = kLeafWeightsBinding, std430) readonly restrict buffer LeafWeights {
-  float leaf_weights[];
-};
 layout(set = kSystemSet, binding = kImportsBinding, std430) readonly restrict buffer Imports {
   uvec4 imports[];
+};
+layout(set = kSystemSet, binding = kImportSharesBinding, std430) readonly restrict buffer ImportShares {
+  float shares[];
 };
 layout(set = kSystemSet, binding = kLocalRadiosityBinding, std430) writeonly restrict buffer LocalRadiosity {
   vec4 local_radiosity[];
@@ -29,8 +29,8 @@ shared vec4 lane_sums[kWorkgroupSize];
 
 vec3 range_sum(uvec4 leaves, uint lane) {
   precise vec3 sum = vec3(0.0);
-  for (uint leaf = leaves.x + lane; leaf < leaves.x + leaves.y; leaf += kLanes) {
-    precise vec3 term = leaf_weights[leaf] * radiosity_in[leaf].rgb;
+  for (uint i = lane; i < leaves.y; i += kLanes) {
+    precise vec3 term = shares[leaves.z + i] * radiosity_in[leaves.x + i].rgb;
     sum = sum + term;
   }
   return sum;
@@ -62,6 +62,5 @@ void main() {
   const vec3 sum = lane_tree(lane_sums[first].xyz, lane_sums[first + 1u].xyz, lane_sums[first + 2u].xyz,
                              lane_sums[first + 3u].xyz, lane_sums[first + 4u].xyz, lane_sums[first + 5u].xyz,
                              lane_sums[first + 6u].xyz, lane_sums[first + 7u].xyz);
-  precise vec3 mean = sum * uintBitsToFloat(import_record.z);
-  local_radiosity[index] = vec4(mean, 0.0);
+  local_radiosity[index] = vec4(sum, 0.0);
 }

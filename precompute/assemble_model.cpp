@@ -139,7 +139,7 @@ void drop_unseen_sky(Model& model) {
       if (sender.system == kSkySystem && sender.index < leaves) seen[sender.index] = true;
     }
   }
-  for (const TreeNode& node : model.sky_tree) std::fill_n(seen.begin() + node.first, node.count, true);
+  for (const TreeNode& node : model.sky_tree.nodes) std::fill_n(seen.begin() + node.first, node.count, true);
   std::vector<std::uint32_t> place(leaves + 1, 0), cells;
   for (std::uint32_t i = 0; i < leaves; ++i) {
     place[i] = std::uint32_t(cells.size());
@@ -152,7 +152,7 @@ void drop_unseen_sky(Model& model) {
           sender.index < leaves ? place[sender.index] : std::uint32_t(cells.size()) + sender.index - leaves;
     }
   }
-  for (TreeNode& node : model.sky_tree) node.first = place[node.first];
+  for (TreeNode& node : model.sky_tree.nodes) node.first = place[node.first];
   model.sky_cells = std::move(cells);
 }
 

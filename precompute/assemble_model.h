@@ -24,6 +24,7 @@ struct ModelParts {
   const std::vector<std::uint32_t>& sensor_systems;               ///< per sensor: the one that it belongs to
   const std::vector<std::vector<std::uint32_t>>& element_orders;  ///< per system: as the model stores them
   const std::vector<SystemTiles>& tiles;  ///< per system; empty: rows are full, each a tile of its leaves
+  const NodeFlux* flux = nullptr;         ///< of the nodes that tiles keep; without tiles there is none
   const Emitters& emitters;
   const SenderTree& senders;
   std::uint32_t cluster_count = 0;

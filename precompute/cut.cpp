@@ -37,8 +37,12 @@ const ProbeValues& room_weights(const Probing& probing, const FormFactorRow& row
   return most == sums.end() ? kNothing : probing.weights[most->first];
 }
 
-TileCutter::TileCutter(const ClusterTree& tree, const Probing& probing)
-    : tree_(tree), probing_(probing), seen_(probing.senders.size()), place_(probing.senders.size()) {}
+TileCutter::TileCutter(const CutSenders& senders)
+    : tree_(senders.tree),
+      probing_(senders.probing),
+      flux_(senders.flux),
+      seen_(senders.probing.senders.size()),
+      place_(senders.probing.senders.size()) {}
 
 void TileCutter::unite(const TileRows& tile) {
   for (const FormFactorRow* row : tile.rows) {
@@ -62,6 +66,7 @@ void TileCutter::sum_up(const TileRows& tile) {
   weights_.clear();
   for (const FormFactorRow* row : tile.rows) weights_.push_back(room_weights(probing_, *row));
   rays_ = tile.rays;
+  areas_ = tile.areas;
   factor_sums_.assign(rows_, 0.0f);
   factor_sums_.resize((leaves_.size() + 1) * rows_);
   light_sums_.assign(rows_, ProbeValues{});
@@ -177,11 +182,23 @@ std::vector<CutStep> TileCutter::steps(const TileRows& tile) {
   return steps;
 }
 
+void TileCutter::add_flux(const Candidate& kept) const {
+  if (tree_.nodes[kept.node].count == 1) return;
+  for (std::size_t i = kept.first; i < kept.last; ++i) {
+    double flux = 0.0;
+    for (std::size_t r = 0; r < rows_; ++r) flux += double(areas_[r]) * double(factors_[i * rows_ + r]);
+    if (flux > 0.0) flux_->add(kept.node, leaves_[i], flux);
+  }
+}
+
 CutTile TileCutter::finish(std::vector<Candidate> kept) const {
   std::sort(kept.begin(), kept.end(),
             [](const Candidate& a, const Candidate& b) { return a.first < b.first; });
   CutTile tile;
-  for (const Candidate& c : kept) tile.nodes.push_back(c.node);
+  for (const Candidate& c : kept) {
+    tile.nodes.push_back(c.node);
+    if (flux_ != nullptr) add_flux(c);
+  }
   tile.values.resize(rows_);
   for (std::size_t r = 0; r < rows_; ++r) {
     for (const Candidate& c : kept) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "precompute/cluster_tree.h"
+#include "precompute/node_flux.h"
 #include "precompute/probing.h"
 #include "precompute/row_tracer.h"
 #include "precompute/sender_set.h"
@@ -33,7 +34,16 @@ struct CutLimits {
 /// Rows side by side that are to share one column list.
 struct TileRows {
   std::vector<const FormFactorRow*> rows;
-  std::vector<float> rays;  ///< of each
+  std::vector<float> rays;   ///< of each
+  std::vector<float> areas;  ///< of each, m2: of points 0
+};
+
+/// What rows are cut against; `flux`, if there is one, gets what they receive by way of the nodes that they
+/// keep.
+struct CutSenders {
+  const ClusterTree& tree;
+  const Probing& probing;
+  NodeFlux* flux = nullptr;
 };
 
 /// How the error of a tile falls while it is refined: as long as a node's error is larger than `node`, the
@@ -45,8 +55,8 @@ struct CutStep {
 /// One per thread: holds the sums that a tile is cut by.
 class TileCutter {
  public:
-  /// Borrows both.
-  TileCutter(const ClusterTree& tree, const Probing& probing);
+  /// Borrows all.
+  explicit TileCutter(const CutSenders& senders);
 
   /// Starts from the roots and refines the node whose mean radiosity, in place of those of its leaves,
   /// changes the irradiance of the rows most: sum_j F_j (b_j - b_n) for each row and probe, relative to the
@@ -70,9 +80,11 @@ class TileCutter {
   /// Squared: errors of nodes count as independent, and as what they add up to if that is more.
   float tile_error() const;
   CutTile finish(std::vector<Candidate> kept) const;
+  void add_flux(const Candidate& kept) const;
 
   const ClusterTree& tree_;
   const Probing& probing_;
+  NodeFlux* flux_;
   SenderSet seen_;
   std::vector<std::uint32_t> leaves_;  ///< that any row of the tile sees, ascending
   std::vector<std::uint32_t> place_;   ///< per sender: in leaves_
@@ -82,7 +94,7 @@ class TileCutter {
   std::vector<ProbeValues> light_sums_;  ///< [leaf][row]: of form factor x radiosity of all leaves before
   std::vector<ProbeValues> noise_sums_;  ///< [leaf]: of form factor x (weight x radiosity)^2 / rays over rows
   std::vector<ProbeValues> weights_;     ///< [row]
-  std::vector<float> rays_;              ///< [row]
+  std::vector<float> rays_, areas_;      ///< [row]
   std::vector<ProbeValues> added_errors_;  ///< [row]: of all nodes kept so far
   double squared_errors_ = 0.0;            ///< of all nodes kept so far, over rows and probes
 };

@@ -20,26 +20,18 @@ namespace {
 /// Clusters that a column stands for, by leaf number; none of the sky.
 std::vector<WeightPart> clusters_of(const LeafNumbers& numbers, const SenderRef& sender) {
   if (sender.system == kSkySystem) return {};
-  std::vector<std::uint32_t> leaves;
-  std::vector<double> areas;
+  std::vector<WeightPart> parts;
   const SenderLeaves all = numbers.leaves_of(sender);
   for (const LeafRange& range : all.ranges) {
-    for (std::uint32_t leaf = range.first; leaf < range.first + range.count; ++leaf) {
-      leaves.push_back(leaf);
-      areas.push_back(numbers.weights()[leaf]);
-    }
+    for (std::uint32_t i = 0; i < range.count; ++i) parts.push_back({range.first + i, range.share_of(i)});
   }
-  const double total = numbers.weight_of(all);
-  if (total <= 0.0) return {};
-  std::vector<WeightPart> parts;
-  if (leaves.size() <= kLeakClusters) {
-    for (std::size_t i = 0; i < leaves.size(); ++i) parts.push_back({leaves[i], areas[i] / total});
-    return parts;
-  }
-  const double loaded = 1.0 - numbers.missing_share(all);
-  for (const WeightPart& part : spread(areas, kLeakClusters))
-    parts.push_back({leaves[part.index], loaded * part.share});
-  return parts;
+  if (parts.size() <= kLeakClusters) return parts;
+  std::vector<double> shares;
+  for (const WeightPart& part : parts) shares.push_back(part.share);
+  std::vector<WeightPart> chosen;
+  for (const WeightPart& part : spread(shares, kLeakClusters))
+    chosen.push_back({parts[part.index].index, (1.0 - all.missing_share) * part.share});
+  return chosen;
 }
 
 /// What all rows share.

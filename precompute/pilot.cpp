@@ -103,11 +103,12 @@ double find_exchange(const std::vector<PilotRows>& pilot, const RayLimits& limit
 double find_node_error(const std::vector<PilotRows>& pilot, const ClusterTree& tree, const Probing& probing,
                        double error) {
   std::vector<std::vector<CutStep>> steps(pilot.size());
-  tbb::enumerable_thread_specific<TileCutter> cutters([&] { return TileCutter(tree, probing); });
+  tbb::enumerable_thread_specific<TileCutter> cutters([&] { return TileCutter({tree, probing}); });
   tbb::parallel_for(std::size_t{0}, pilot.size(), [&](std::size_t i) {
     TileRows tile;
     for (const FormFactorRow& row : pilot[i].rows) tile.rows.push_back(&row);
     tile.rays.assign(tile.rows.size(), float(kPilotRays));
+    tile.areas.assign(tile.rows.size(), 0.0f);
     steps[i] = cutters.local().steps(tile);
   });
   const auto error_at = [&](double node_error) {

@@ -231,6 +231,7 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
                          rows->sensor_systems,
                          rows->orders,
                          rows->tiles,
+                         rows->flux ? &*rows->flux : nullptr,
                          prepared.emitters,
                          prepared.senders,
                          surfaces.cluster_count()};

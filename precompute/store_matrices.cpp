@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <functional>
+#include <numeric>
+#include <span>
 #include <tuple>
 
 #include "precompute/coarsen_imports.h"
@@ -70,14 +72,16 @@ void visit_tiles(const RowGroup& group, const std::vector<std::uint32_t>& leaves
 /// What senders the nodes of the tree are in the model; nodes that no tile keeps have no place there.
 class NodeReferences {
  public:
-  explicit NodeReferences(const SenderTree& senders)
-      : senders_(senders), references_(senders.tree.nodes.size(), {kUnused, 0}) {}
+  NodeReferences(const SenderTree& senders, const NodeFlux* flux)
+      : senders_(senders), flux_(flux), references_(senders.tree.nodes.size(), {kUnused, 0}) {}
 
   /// Adds an inner node to the tree of its system, or to the one above the systems, once.
   void use(std::uint32_t node, Model& model) {
     SenderRef& reference = references_[node];
     if (reference.system != kUnused) return;
-    reference = in_one_system(node) ? inside(senders_.tree.nodes[node], model) : spanning(node, model);
+    const std::vector<double> weights = weights_of(node);
+    reference = in_one_system(node) ? inside(senders_.tree.nodes[node], weights, model)
+                                    : spanning(node, weights, model);
   }
   const SenderRef& of(std::uint32_t node) const { return references_[node]; }
 
@@ -87,19 +91,34 @@ class NodeReferences {
     return senders_.places[range.first].system == senders_.places[range.first + range.count - 1].system;
   }
 
-  SenderRef inside(const TreeNodeRange& range, Model& model) const {
+  /// Per leaf; where nothing is known of the light that goes by way of the node, what leaves weigh.
+  std::vector<double> weights_of(std::uint32_t node) const {
+    const TreeNodeRange& range = senders_.tree.nodes[node];
+    std::vector<double> weights;
+    if (flux_ != nullptr && range.count > 1) weights = flux_->of(node);
+    if (std::accumulate(weights.begin(), weights.end(), 0.0) > 0.0) return weights;
+    const auto first = senders_.weights.begin() + std::ptrdiff_t(range.first);
+    return {first, first + std::ptrdiff_t(range.count)};
+  }
+
+  SenderRef inside(const TreeNodeRange& range, std::span<const double> weights, Model& model) const {
     const SenderRef first = senders_.places[range.first];
     if (range.count == 1) return first;
     const bool sky = first.system == kSkySystem;
     auto& tree = sky ? model.sky_tree : model.systems[first.system].tree;
     const std::size_t leaves = sky ? model.sky_cells.size() : model.systems[first.system].clusters.size();
-    tree.push_back({first.index, range.count});
-    return {first.system, std::uint32_t(leaves + tree.size() - 1)};
+    tree.nodes.push_back({first.index, range.count, std::uint32_t(tree.shares.size())});
+    const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+    for (const double weight : weights) tree.shares.push_back(float(weight / sum));
+    return {first.system, std::uint32_t(leaves + tree.nodes.size() - 1)};
   }
 
-  SenderRef spanning(std::uint32_t node, Model& model) {
+  SenderRef spanning(std::uint32_t node, std::span<const double> weights, Model& model) {
     std::vector<SpannedPart> parts;
-    append_parts(node, model, parts);
+    append_parts(node, senders_.tree.nodes[node].first, weights, model, parts);
+    double sum = 0.0;
+    for (const SpannedPart& part : parts) sum += double(part.share);
+    for (SpannedPart& part : parts) part.share = float(double(part.share) / sum);
     std::sort(parts.begin(), parts.end(),
               [](const SpannedPart& a, const SpannedPart& b) { return a.sender.system < b.sender.system; });
     model.top_tree.push_back({std::uint32_t(model.top_parts.size()), std::uint32_t(parts.size())});
@@ -107,21 +126,23 @@ class NodeReferences {
     return {kSpanningNodes, std::uint32_t(model.top_tree.size() - 1)};
   }
 
-  void append_parts(std::uint32_t node, Model& model, std::vector<SpannedPart>& parts) {
+  /// `weights` of the leaves from `first` on.
+  void append_parts(std::uint32_t node, std::uint32_t first, std::span<const double> weights, Model& model,
+                    std::vector<SpannedPart>& parts) {
     const TreeNodeRange& range = senders_.tree.nodes[node];
     if (!in_one_system(node)) {
-      append_parts(range.left, model, parts);
-      append_parts(range.left + 1, model, parts);
+      append_parts(range.left, first, weights, model, parts);
+      append_parts(range.left + 1, first, weights, model, parts);
       return;
     }
     use(node, model);
-    double area = 0.0;
-    for (std::uint32_t i = 0; i < range.count; ++i) area += senders_.weights[range.first + i];
-    parts.push_back({references_[node], float(area)});
+    const auto own = weights.subspan(range.first - first, range.count);
+    parts.push_back({references_[node], float(std::accumulate(own.begin(), own.end(), 0.0))});
   }
 
   static constexpr std::uint32_t kUnused = 0xfffffffdu;
   const SenderTree& senders_;
+  const NodeFlux* flux_;
   std::vector<SenderRef> references_;
 };
 
@@ -263,7 +284,7 @@ Result<void> store_system(const ModelParts& parts, ValueCodec codec, const Syste
 Result<void> store_matrices(const ModelParts& parts, ValueCodec codec, Model& model,
                             PrecomputeReport& report) {
   const std::vector<std::uint32_t> leaves = leaf_nodes(parts.senders);
-  NodeReferences references(parts.senders);
+  NodeReferences references(parts.senders, parts.flux);
   for (std::size_t s = 0; s < model.systems.size(); ++s) {
     const SystemRowGroups groups = row_groups(parts, s);
     if (auto stored = store_system(parts, codec, groups, leaves, references, model.systems[s], model, report);

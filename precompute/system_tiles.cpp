@@ -21,20 +21,23 @@ std::vector<CutLimits> cluster_cuts(const TracedSystem& system, const std::vecto
 
 }  // namespace
 
-std::vector<CutTile> cut_clusters(const ClusterTree& tree, const Probing& probing, const TracedSystem& system,
+std::vector<CutTile> cut_clusters(const CutSenders& senders, const TracedSystem& system,
                                   const SystemRows& rows, const std::vector<CutLimits>& node_cuts) {
   TileRows tile_rows;
   tile_rows.rays.assign(system.surface.cluster_count, 0.0f);
-  for (std::size_t e = 0; e < system.surface.cluster.size(); ++e)
+  tile_rows.areas.assign(system.surface.cluster_count, 0.0f);
+  for (std::size_t e = 0; e < system.surface.cluster.size(); ++e) {
     tile_rows.rays[system.surface.cluster[e]] += float(rows.element_rays[e].count);
+    tile_rows.areas[system.surface.cluster[e]] += system.surface.surface.elements[e].area;
+  }
   for (const FormFactorRow& row : rows.clusters) tile_rows.rows.push_back(&row);
   const std::vector<CutLimits> cuts = cluster_cuts(system, node_cuts);
-  return cut_rows(tree, probing, tile_rows, {kTileRows, cuts});
+  return cut_rows(senders, tile_rows, {kTileRows, cuts});
 }
 
-LumelCutter::LumelCutter(const ClusterTree& tree, const Probing& probing, const TracedSystem& system,
+LumelCutter::LumelCutter(const CutSenders& senders, const TracedSystem& system,
                          const std::vector<std::uint32_t>& order, const std::vector<CutLimits>& node_cuts)
-    : tree_(tree), probing_(probing), system_(system), order_(order), node_cuts_(node_cuts) {}
+    : senders_(senders), system_(system), order_(order), node_cuts_(node_cuts) {}
 
 void LumelCutter::take(std::uint32_t last, SystemRows& rows) {
   for (; next_ < order_.size() && system_.surface.cluster[order_[next_]] < last; ++next_) {
@@ -54,10 +57,11 @@ void LumelCutter::cut(std::size_t count, SystemRows& rows) {
   for (std::size_t i = 0; i < count; ++i) {
     tile_rows.rows.push_back(&rows.elements[waiting_[i]]);
     tile_rows.rays.push_back(float(rows.element_rays[waiting_[i]].count));
+    tile_rows.areas.push_back(system_.surface.surface.elements[waiting_[i]].area);
     limits.push_back(node_cuts_[system_.node(waiting_[i])]);
   }
   if (count == 0) return;
-  auto tiles = cut_rows(tree_, probing_, tile_rows, {kTileRows, limits});
+  auto tiles = cut_rows(senders_, tile_rows, {kTileRows, limits});
   std::move(tiles.begin(), tiles.end(), std::back_inserter(tiles_));
   for (std::size_t i = 0; i < count; ++i) rows.elements[waiting_[i]] = {};
   waiting_.erase(waiting_.begin(), waiting_.begin() + std::ptrdiff_t(count));

@@ -18,7 +18,7 @@ struct SystemTiles {
 };
 
 /// Tiles of the rows of all clusters; `node_cuts` per node of the scene.
-std::vector<CutTile> cut_clusters(const ClusterTree& tree, const Probing& probing, const TracedSystem& system,
+std::vector<CutTile> cut_clusters(const CutSenders& senders, const TracedSystem& system,
                                   const SystemRows& rows, const std::vector<CutLimits>& node_cuts);
 
 /// Cuts the rows of lumels batch by batch and lets go of them.
@@ -26,8 +26,8 @@ class LumelCutter {
  public:
   /// Borrows all; `order`: the elements in the order that the model stores, by cluster; `node_cuts` per node
   /// of the scene.
-  LumelCutter(const ClusterTree& tree, const Probing& probing, const TracedSystem& system,
-              const std::vector<std::uint32_t>& order, const std::vector<CutLimits>& node_cuts);
+  LumelCutter(const CutSenders& senders, const TracedSystem& system, const std::vector<std::uint32_t>& order,
+              const std::vector<CutLimits>& node_cuts);
 
   /// Rows of the elements of all clusters below `last` are there. What does not fill a tile waits for more.
   void take(std::uint32_t last, SystemRows& rows);
@@ -37,8 +37,7 @@ class LumelCutter {
  private:
   void cut(std::size_t count, SystemRows& rows);
 
-  const ClusterTree& tree_;
-  const Probing& probing_;
+  CutSenders senders_;
   TracedSystem system_;
   const std::vector<std::uint32_t>& order_;
   const std::vector<CutLimits>& node_cuts_;

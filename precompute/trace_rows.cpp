@@ -7,34 +7,34 @@ namespace relume {
 namespace {
 
 Result<SystemTiles> trace_and_cut(const RowScene& scene, const TracedSystem& system,
-                                  const SenderTree& senders, const RowPlan& plan, const Probing& probing,
-                                  RowCounts& counts, const ProgressObserver& observer,
-                                  const std::vector<std::uint32_t>& order, SystemRows& rows) {
-  LumelCutter cutter(senders.tree, probing, system, order, plan.node_cuts);
+                                  const CutSenders& senders, const RowPlan& plan, RowCounts& counts,
+                                  const ProgressObserver& observer, const std::vector<std::uint32_t>& order,
+                                  SystemRows& rows) {
+  LumelCutter cutter(senders, system, order, plan.node_cuts);
   auto traced = trace_system(scene, system, plan.lumels, plan.node_quality, counts, observer,
                              [&](std::uint32_t last, SystemRows& batch) { cutter.take(last, batch); });
   if (!traced) return tl::unexpected(traced.error());
   rows = std::move(*traced);
   SystemTiles tiles;
   tiles.lumels = cutter.finish(rows);
-  tiles.clusters = cut_clusters(senders.tree, probing, system, rows, plan.node_cuts);
+  tiles.clusters = cut_clusters(senders, system, rows, plan.node_cuts);
   rows.clusters = {};
   return tiles;
 }
 
-Result<void> trace_systems(const RowScene& scene, const Surfaces& surfaces, const SenderTree& senders,
-                           const RowPlan& plan, const Probing* probing, RowCounts& counts,
+Result<void> trace_systems(const RowScene& scene, const Surfaces& surfaces,
+                           const std::optional<CutSenders>& senders, const RowPlan& plan, RowCounts& counts,
                            const ProgressObserver& observer, TracedRows& rows) {
   for (std::size_t s = 0; s < surfaces.systems.size(); ++s) {
     rows.orders.push_back(stored_order(surfaces.systems[s]));
     const TracedSystem system{surfaces.charts, surfaces.systems[s], surfaces.own_elements[s]};
-    if (!plan.cut) {
+    if (!senders) {
       auto traced = trace_system(scene, system, plan.lumels, plan.node_quality, counts, observer);
       if (!traced) return tl::unexpected(traced.error());
       rows.systems.push_back(std::move(*traced));
       continue;
     }
-    auto tiles = trace_and_cut(scene, system, senders, plan, *probing, counts, observer, rows.orders[s],
+    auto tiles = trace_and_cut(scene, system, *senders, plan, counts, observer, rows.orders[s],
                                rows.systems.emplace_back());
     if (!tiles) return tl::unexpected(tiles.error());
     rows.tiles.push_back(std::move(*tiles));
@@ -48,7 +48,12 @@ Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces, c
                               std::span<const SurfacePoint> sensors, const RowPlan& plan,
                               const Probing* probing, RowCounts& counts, const ProgressObserver& observer) {
   TracedRows rows;
-  if (auto traced = trace_systems(scene, surfaces, senders, plan, probing, counts, observer, rows); !traced)
+  std::optional<CutSenders> cut;
+  if (plan.cut) {
+    rows.flux.emplace(senders.tree, double(surfaces.geometry.area));
+    cut.emplace(CutSenders{senders.tree, *probing, &*rows.flux});
+  }
+  if (auto traced = trace_systems(scene, surfaces, cut, plan, counts, observer, rows); !traced)
     return tl::unexpected(traced.error());
   auto sensor_rows = trace_sensors(scene, sensors, plan.sensors, counts, observer);
   if (!sensor_rows) return tl::unexpected(sensor_rows.error());
@@ -60,8 +65,9 @@ Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces, c
       if (rows.sensor_systems[i] != s) continue;
       own.rows.push_back(&rows.sensors.rows[i]);
       own.rays.push_back(float(rows.sensors.rays[i].count));
+      own.areas.push_back(0.0f);
     }
-    rows.tiles[s].sensors = cut_rows(senders.tree, *probing, own, {1, {&plan.sensor_cut, 1}});
+    rows.tiles[s].sensors = cut_rows(*cut, own, {1, {&plan.sensor_cut, 1}});
   }
   return rows;
 }

@@ -15,6 +15,7 @@ namespace relume {
 struct TracedRows {
   std::vector<SystemRows> systems;
   std::vector<SystemTiles> tiles;  ///< per system; none without a cut
+  std::optional<NodeFlux> flux;    ///< of the nodes that tiles keep
   SensorRows sensors;
   std::vector<std::uint32_t> sensor_systems;       ///< per sensor: the one that it belongs to
   std::vector<std::vector<std::uint32_t>> orders;  ///< per system: elements as the model stores them

@@ -69,7 +69,7 @@ std::uint32_t longest_mean(const Model& model) {
       for (const LeafRange& range : leaves.ranges) of_range = std::max(of_range, (range.count + 7) / 8);
       terms += of_range;
       const bool leaf =
-          leaves.ranges.size() == 1 && leaves.ranges[0].count == 1 && leaves.missing_area == 0.0;
+          leaves.ranges.size() == 1 && leaves.ranges[0].count == 1 && leaves.missing_share == 0.0;
       if (!leaf) longest = std::max(longest, terms);
     }
   }

@@ -20,26 +20,28 @@ const uint kExitanceBinding = 3u;      // vec4 per cluster, lm/m2
 const uint kDirectBinding = 4u;        // vec4 per cluster: H, lm/m2
 const uint kWeightsBinding = 5u;       // vec4 per cluster: v of the contraction bound, > 0
 const uint kResidualBinding = 6u;      // one ResidualRecord
-const uint kLeafWeightsBinding = 7u;   // float per sender: what it counts for in the mean of a node (m2, sr)
-const uint kSolveBindings = 8u;
+const uint kSolveBindings = 7u;
 
 /// Set of one system.
 const uint kSystemSet = 1u;
-// uvec4 per import: first leaf, number of leaves, bits of 1 / their weight, 0; of a node above the systems: first of its ranges in
-// this buffer, 0, bits of 1 / the weight of all, number of ranges. Ranges follow the imports: first leaf, number of leaves, 0, 0.
+// uvec4 per import: first leaf, number of leaves, first of their shares, 0; of a node above the systems:
+// first of its ranges in this buffer, 0, 0, number of ranges. Ranges follow the imports: first leaf, number
+// of leaves, first of their shares, 0.
 const uint kImportsBinding = 0u;
 const uint kLocalRadiosityBinding = 1u;  // vec4 per import: b of the sender
 const uint kIrradianceBinding = 2u;      // vec4 per gather row of the system: I, lm/m2
-const uint kSystemBindings = 3u;
-const uint kLocalRadiosityTexelsBinding = 3u;  // rgba32f
+const uint kImportSharesBinding =
+    3u;  // float per leaf of an import that is a node: what it counts for in the mean
+const uint kSystemBindings = 4u;
+const uint kLocalRadiosityTexelsBinding = 4u;  // rgba32f
 const uint kSystemTexelBindings = 1u;
 
 /// Set of one block of a bounce or gather matrix, in the format of core/block_matrix.h.
 const uint kBlockSet = 2u;
 const uint kTileOffsetsBinding = 0u;  // uint per tile, and one at the end
 const uint kColumnsBinding = 1u;      // two 16-bit columns in a uint, the first in the low half
-const uint kValuesBinding = 2u;       // f32: a float's bits in a uint; unorm16, sqrt8: two, four codes, as columns
-const uint kRowScalesBinding = 3u;    // float per row
+const uint kValuesBinding = 2u;  // f32: a float's bits in a uint; unorm16, sqrt8: two, four codes, as columns
+const uint kRowScalesBinding = 3u;  // float per row
 const uint kBlockBindings = 4u;
 const uint kColumnTexelsBinding = 4u;  // r32ui
 const uint kValueTexelsBinding = 5u;   // r32ui

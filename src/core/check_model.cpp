@@ -165,10 +165,10 @@ Result<void> check_occluders(const Model& model) {
 
 /// Numbers over all systems fit 32 bits.
 Result<void> check_totals(const Model& model) {
-  std::uint64_t senders = model.sky_cells.size() + model.sky_tree.size() + model.top_tree.size();
+  std::uint64_t senders = model.sky_cells.size() + model.sky_tree.nodes.size() + model.top_tree.size();
   std::uint64_t gather_rows = 0;
   for (const System& system : model.systems) {
-    senders += system.clusters.size() + system.tree.size();
+    senders += system.clusters.size() + system.tree.nodes.size();
     gather_rows += system.lumels.size() + system.sensors.size();
   }
   if (senders < kNone && gather_rows < kNone) return {};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 
 #include "core/model_checks.h"
@@ -10,6 +11,8 @@ namespace {
 
 // Sums of areas and cut corners are rounded to 32 bits.
 constexpr double kAreaTolerance = 1e-3;
+// Rounded to 32 bits, from many leaves.
+constexpr double kShareTolerance = 1e-4;
 constexpr float kBarycentricTolerance = 1e-3f;
 
 bool positive(double value) {
@@ -225,7 +228,7 @@ Result<void> check_not_loaded(const SystemPlace& at) {
   const System& system = at.system;
   const bool empty = system.clusters.empty() && system.elements.empty() && system.pieces.empty() &&
                      system.lumels.empty() && system.sensors.empty() && system.charts.empty() &&
-                     system.tree.empty() && system.imports.empty() && system.bounce.rows == 0 &&
+                     system.tree.nodes.empty() && system.imports.empty() && system.bounce.rows == 0 &&
                      system.gather.rows == 0;
   if (empty) return {};
   return broken_model("system {}: expected nothing in a system that is not loaded", at.index);
@@ -233,14 +236,37 @@ Result<void> check_not_loaded(const SystemPlace& at) {
 
 }  // namespace
 
-Result<void> check_tree(const std::vector<TreeNode>& tree, std::size_t leaves, const std::string& owner) {
-  for (std::size_t index = 0; index < tree.size(); ++index) {
-    const TreeNode& node = tree[index];
-    if (node.count >= 2 && std::uint64_t{node.first} + node.count <= leaves) continue;
-    return broken_model("{}, tree node {}: expected at least 2 of {} leaves, found {} from {} on", owner,
-                        index, leaves, node.count, node.first);
+Result<void> check_tree(const ClusterTreeNodes& tree, std::size_t leaves, const std::string& owner) {
+  std::uint64_t next_share = 0;
+  for (std::size_t index = 0; index < tree.nodes.size(); ++index) {
+    const TreeNode& node = tree.nodes[index];
+    if (node.count < 2 || std::uint64_t{node.first} + node.count > leaves) {
+      return broken_model("{}, tree node {}: expected at least 2 of {} leaves, found {} from {} on", owner,
+                          index, leaves, node.count, node.first);
+    }
+    if (node.first_share != next_share || next_share + node.count > tree.shares.size()) {
+      return broken_model("{}, tree node {}: expected {} shares from {} on, found them from {} on of {}",
+                          owner, index, node.count, next_share, node.first_share, tree.shares.size());
+    }
+    const auto shares = std::span(tree.shares).subspan(node.first_share, node.count);
+    if (!are_shares(shares)) {
+      return broken_model("{}, tree node {}: expected shares from 0 to 1 that add up to 1, found {}", owner,
+                          index, std::accumulate(shares.begin(), shares.end(), 0.0));
+    }
+    next_share += node.count;
   }
-  return {};
+  if (next_share == tree.shares.size()) return {};
+  return broken_model("{}: expected {} shares, as the nodes of its tree have leaves, found {}", owner,
+                      next_share, tree.shares.size());
+}
+
+bool are_shares(std::span<const float> values) {
+  double sum = 0.0;
+  for (const float value : values) {
+    if (!(value >= 0.0f && value <= 1.0f)) return false;
+    sum += value;
+  }
+  return std::abs(sum - 1.0) <= kShareTolerance;
 }
 
 Result<void> check_sender(const Model& model, const SenderRef& sender, const std::string& owner) {
@@ -250,10 +276,10 @@ Result<void> check_sender(const Model& model, const SenderRef& sender, const std
                         sender.system);
   }
   if (!sky && !spanning && !model.systems[sender.system].loaded) return {};
-  const std::size_t limit =
-      sky        ? model.sky_cells.size() + model.sky_tree.size()
-      : spanning ? model.top_tree.size()
-                 : model.systems[sender.system].clusters.size() + model.systems[sender.system].tree.size();
+  const std::size_t limit = sky        ? model.sky_cells.size() + model.sky_tree.nodes.size()
+                            : spanning ? model.top_tree.size()
+                                       : model.systems[sender.system].clusters.size() +
+                                             model.systems[sender.system].tree.nodes.size();
   if (sender.index < limit) return {};
   return broken_model("{}: expected a {} below {}, found {}", owner,
                       sky        ? "sky patch or node"

@@ -1,30 +1,20 @@
 // SPDX-License-Identifier: MIT
-#include <cmath>
+#include <numeric>
 
 #include "core/model_checks.h"
-#include "core/sender_leaves.h"
 
 namespace relume {
 namespace {
 
-// Sums of areas are rounded to 32 bits.
-constexpr double kAreaTolerance = 1e-3;
-
-/// A cluster or node of a system, of the area that it has there.
-Result<void> check_part(const Model& model, const LeafNumbers& numbers, std::size_t index) {
+/// A cluster or node of a system.
+Result<void> check_part(const Model& model, std::size_t index) {
   const SpannedPart& part = model.top_parts[index];
   const std::string owner = fmt::format("nodes above the systems, part {}", index);
   if (part.sender.system >= model.systems.size()) {
     return broken_model("{}: expected a system below {}, found {}", owner, model.systems.size(),
                         part.sender.system);
   }
-  if (auto checked = check_sender(model, part.sender, owner); !checked) return checked;
-  if (!std::isfinite(part.area) || part.area <= 0.0f)
-    return broken_model("{}: expected an area above 0, found {}", owner, part.area);
-  if (!model.systems[part.sender.system].loaded) return {};
-  const double area = numbers.weight_of(numbers.leaves_of(part.sender));
-  if (std::abs(area - part.area) <= kAreaTolerance * area) return {};
-  return broken_model("{}: expected the area of its clusters, {}, found {}", owner, area, part.area);
+  return check_sender(model, part.sender, owner);
 }
 
 /// Each system once, so that no cluster counts twice.
@@ -43,15 +33,19 @@ Result<void> check_node(const Model& model, std::size_t index, std::uint64_t fir
     return broken_model("node {} above the systems: expected parts in systems that ascend, found {} after {}",
                         index, here, before);
   }
-  return {};
+  std::vector<float> shares;
+  for (std::uint32_t p = node.first_part; p < node.first_part + node.part_count; ++p)
+    shares.push_back(model.top_parts[p].share);
+  if (are_shares(shares)) return {};
+  return broken_model("node {} above the systems: expected shares from 0 to 1 that add up to 1, found {}",
+                      index, std::accumulate(shares.begin(), shares.end(), 0.0));
 }
 
 }  // namespace
 
 Result<void> check_top_tree(const Model& model) {
-  const LeafNumbers numbers(model);
   for (std::size_t index = 0; index < model.top_parts.size(); ++index) {
-    if (auto checked = check_part(model, numbers, index); !checked) return checked;
+    if (auto checked = check_part(model, index); !checked) return checked;
   }
   std::uint64_t next_part = 0;
   for (std::size_t index = 0; index < model.top_tree.size(); ++index) {

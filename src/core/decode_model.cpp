@@ -204,7 +204,8 @@ std::optional<Result<void>> read_model_section(const Section& section, Model& mo
   const std::string_view id = id_of(section);
   Occluders& occluders = model.occluders;
   if (id == kSkyCells) return read_array(section, model.sky_cells);
-  if (id == kSkyTree) return read_array(section, model.sky_tree);
+  if (id == kSkyTree) return read_array(section, model.sky_tree.nodes);
+  if (id == kSkyTreeShares) return read_array(section, model.sky_tree.shares);
   if (id == kTopTree) return read_array(section, model.top_tree);
   if (id == kTopParts) return read_array(section, model.top_parts);
   if (id == kMaterials) return read_materials(section, model);
@@ -235,7 +236,8 @@ std::optional<Result<void>> read_system_section(const Section& section, System& 
   if (id == kLumels) return read_array(section, system.lumels);
   if (id == kSensors) return read_array(section, system.sensors);
   if (id == kCharts) return read_array(section, system.charts);
-  if (id == kTree) return read_array(section, system.tree);
+  if (id == kTree) return read_array(section, system.tree.nodes);
+  if (id == kTreeShares) return read_array(section, system.tree.shares);
   if (id == kImports) return read_array(section, system.imports);
   if (id == kBounceBlock) return read_block(section, system.bounce);
   if (id == kGatherBlock) return read_block(section, system.gather);

@@ -133,7 +133,8 @@ void add_system(const System& system, std::uint32_t index, SectionWriter& file) 
   file.add_array(kLumels, index, system.lumels);
   file.add_array(kSensors, index, system.sensors);
   file.add_array(kCharts, index, system.charts);
-  file.add_array(kTree, index, system.tree);
+  file.add_array(kTree, index, system.tree.nodes);
+  file.add_array(kTreeShares, index, system.tree.shares);
   file.add_array(kImports, index, system.imports);
   add_matrix(system.bounce, kBounceBlock, index, file);
   add_matrix(system.gather, kGatherBlock, index, file);
@@ -161,7 +162,8 @@ std::vector<std::byte> encode_model(const Model& model) {
   file.reserve(likely_bytes(model));
   add_info(model, file);
   file.add_array(kSkyCells, kNone, model.sky_cells);
-  file.add_array(kSkyTree, kNone, model.sky_tree);
+  file.add_array(kSkyTree, kNone, model.sky_tree.nodes);
+  file.add_array(kSkyTreeShares, kNone, model.sky_tree.shares);
   file.add_array(kTopTree, kNone, model.top_tree);
   file.add_array(kTopParts, kNone, model.top_parts);
   add_named_records(model, file);

@@ -25,7 +25,7 @@ MissingShare missing_share(const Model& model) {
   for (const System& system : model.systems) {
     std::vector<double> missing_of_column;
     for (const SenderRef& sender : system.imports)
-      missing_of_column.push_back(numbers.missing_share(numbers.leaves_of(sender)));
+      missing_of_column.push_back(numbers.leaves_of(sender).missing_share);
     append_shares(system.bounce, missing_of_column, shares.clusters);
     append_shares(system.gather, missing_of_column, shares.gather);
   }

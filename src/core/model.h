@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// The model: everything that a precompute leaves behind, and all that a solve needs. It is what a .relume file holds
-// (src/FILE_FORMAT.md) and is immutable once built. Structs marked "stored" are written to the file as they are in memory.
+// The model: everything that a precompute leaves behind, and all that a solve needs. It is what a .relume
+// file holds (src/FILE_FORMAT.md) and is immutable once built. Structs marked "stored" are written to the
+// file as they are in memory.
 //
 // Positions are metres relative to Model::origin (world = origin + position).
 #pragma once
@@ -25,13 +26,15 @@ inline constexpr std::uint32_t kNone = 0xffffffffu;
 
 enum class Side : std::uint32_t { front = 0, back = 1 };  ///< front: triangle corners run counter-clockwise
 
-/// A leaf of the cluster tree: a patch of surface, nearly flat or small, of one material, one node and one side. Stored.
+/// A leaf of the cluster tree: a patch of surface, nearly flat or small, of one material, one node and one
+/// side. Stored.
 struct Cluster {
   glm::vec3 centroid{0.0f};
-  float area = 0.0f;  ///< m2, of the solid part (core/opacity.h): so A_i F_ij = A_j F_ji
+  float area = 0.0f;       ///< m2, of the solid part (core/opacity.h): so A_i F_ij = A_j F_ji
   glm::vec3 normal{0.0f};  ///< unit, area-weighted mean
   std::uint32_t material = 0;
-  std::array<float, 3> albedo{};    ///< of the scene that was precomputed, textures averaged, clamped to Model::max_albedo
+  std::array<float, 3>
+      albedo{};  ///< of the scene that was precomputed, textures averaged, clamped to Model::max_albedo
   std::array<float, 3> exitance{};  ///< lm/m2, of the scene that was precomputed
   std::uint32_t node = 0;
   Side side = Side::front;
@@ -40,8 +43,8 @@ struct Cluster {
 };
 static_assert(sizeof(Cluster) == 72);
 
-/// The part of one lumel that lies on one side of all walls: the smallest piece of surface that is told apart. A lumel that a wall
-/// splits has several elements, of which the largest is its own. Stored.
+/// The part of one lumel that lies on one side of all walls: the smallest piece of surface that is told
+/// apart. A lumel that a wall splits has several elements, of which the largest is its own. Stored.
 struct SurfaceElement {
   glm::vec3 position{0.0f};  ///< a point on the surface, near the middle
   float area = 0.0f;         ///< m2, sum over its pieces
@@ -52,8 +55,8 @@ struct SurfaceElement {
 };
 static_assert(sizeof(SurfaceElement) == 40);
 
-/// A triangle cut out of an occluder triangle: the geometry of an element, exactly. Corners are barycentric: point =
-/// (1 - u - v) p0 + u p1 + v p2. Stored.
+/// A triangle cut out of an occluder triangle: the geometry of an element, exactly. Corners are barycentric:
+/// point = (1 - u - v) p0 + u p1 + v p2. Stored.
 struct SurfacePiece {
   std::uint32_t triangle = 0;  ///< index into Model::occluders.triangles
   std::array<glm::vec2, 3> corners{};
@@ -61,11 +64,13 @@ struct SurfacePiece {
 static_assert(sizeof(SurfacePiece) == 28);
 
 enum LumelFlags : std::uint32_t {
-  kLumelInvalid = 1u << 0,  ///< most of its rays met back faces: its value is not to be shown, neighbours fill it
-  kLumelSplit = 1u << 1,    ///< a wall runs through it; the larger part was kept
+  kLumelInvalid =
+      1u << 0,  ///< most of its rays met back faces: its value is not to be shown, neighbours fill it
+  kLumelSplit = 1u << 1,  ///< a wall runs through it; the larger part was kept
 };
 
-/// One texel of the system's lightmap that carries a value; lumel i is row i of the system's gather matrix. Stored.
+/// One texel of the system's lightmap that carries a value; lumel i is row i of the system's gather matrix.
+/// Stored.
 struct Lumel {
   std::uint16_t x = 0;
   std::uint16_t y = 0;
@@ -86,7 +91,8 @@ static_assert(sizeof(Sensor) == 40);
 struct LightmapChart {
   std::uint32_t node = 0;
   Side side = Side::front;
-  std::uint32_t uv_set = kNone;  ///< 1: the scene's TEXCOORD_1; kNone: made by Relume, (0,0)-(1,1) is the whole lightmap
+  std::uint32_t uv_set =
+      kNone;  ///< 1: the scene's TEXCOORD_1; kNone: made by Relume, (0,0)-(1,1) is the whole lightmap
   glm::vec2 scale{1.0f};
   glm::vec2 offset{0.0f};
 };
@@ -95,21 +101,29 @@ static_assert(sizeof(LightmapChart) == 28);
 /// `system` of a SenderRef that names a sky patch.
 inline constexpr std::uint32_t kSkySystem = kNone;
 
-/// An inner node of a cluster tree: the leaves [first, first + count), which are clusters of one system, or sky patches. Its
-/// radiosity is their mean by area, or by solid angle. Leaves are numbered so that every node is such a range. Stored.
+/// An inner node of a cluster tree: the leaves [first, first + count), which are clusters of one system, or
+/// sky patches. Its radiosity is their mean by the shares [first_share, first_share + count) of the tree,
+/// which add up to 1. Leaves are numbered so that every node is such a range. Stored.
 struct TreeNode {
   std::uint32_t first = 0;
-  std::uint32_t count = 0;  ///< at least 2
+  std::uint32_t count = 0;        ///< at least 2
+  std::uint32_t first_share = 0;  ///< the sum of the counts of all nodes before
   friend bool operator==(const TreeNode&, const TreeNode&) = default;
 };
-static_assert(sizeof(TreeNode) == 8);
+static_assert(sizeof(TreeNode) == 12);
+
+/// Nodes over the clusters of a system, or over sky patches.
+struct ClusterTreeNodes {
+  std::vector<TreeNode> nodes;
+  std::vector<float> shares;  ///< of each leaf of each node, in the order of the nodes
+};
 
 /// `system` of a SenderRef that names a node above the systems.
 inline constexpr std::uint32_t kSpanningNodes = 0xfffffffeu;
 
-/// A sender: cluster `index` of system `system`, or sky patch `index`. With n the number of clusters (of sky patches), an index
-/// of n or more is the node tree[index - n] of that system (sky_tree[index - n] of the model). With kSpanningNodes, it is the
-/// node top_tree[index] of the model. Stored.
+/// A sender: cluster `index` of system `system`, or sky patch `index`. With n the number of clusters (of sky
+/// patches), an index of n or more is the node tree[index - n] of that system (sky_tree[index - n] of the
+/// model). With kSpanningNodes, it is the node top_tree[index] of the model. Stored.
 struct SenderRef {
   std::uint32_t system = 0;
   std::uint32_t index = 0;
@@ -117,8 +131,8 @@ struct SenderRef {
 };
 static_assert(sizeof(SenderRef) == 8);
 
-/// A node above the systems: the parts [first_part, first_part + part_count) of Model::top_parts, each in another system. Its
-/// radiosity is that of all their clusters, meant by area. Stored.
+/// A node above the systems: the parts [first_part, first_part + part_count) of Model::top_parts, each in
+/// another system. Its radiosity is the mean of theirs by their shares. Stored.
 struct SpanningNode {
   std::uint32_t first_part = 0;
   std::uint32_t part_count = 0;  ///< at least 2
@@ -128,8 +142,8 @@ static_assert(sizeof(SpanningNode) == 8);
 
 /// What a node above the systems spans in one of them. Stored.
 struct SpannedPart {
-  SenderRef sender;   ///< a cluster or a tree node of a system
-  float area = 0.0f;  ///< m2 of its clusters: known while that system is not loaded
+  SenderRef sender;    ///< a cluster or a tree node of a system
+  float share = 0.0f;  ///< those of a node add up to 1
   friend bool operator==(const SpannedPart&, const SpannedPart&) = default;
 };
 static_assert(sizeof(SpannedPart) == 12);
@@ -137,16 +151,17 @@ static_assert(sizeof(SpannedPart) == 12);
 /// A group of geometry that is precomputed, stored, loaded and updated as one.
 struct System {
   std::string name;
-  bool loaded = true;                 ///< false: all but the name is empty (read_systems)
-  std::uint32_t lightmap_width = 0;   ///< lumels
+  bool loaded = true;                ///< false: all but the name is empty (read_systems)
+  std::uint32_t lightmap_width = 0;  ///< lumels
   std::uint32_t lightmap_height = 0;
-  std::vector<Cluster> clusters;          ///< rows of `bounce`
-  std::vector<SurfaceElement> elements;   ///< grouped by cluster
-  std::vector<SurfacePiece> pieces;       ///< grouped by element
-  std::vector<Lumel> lumels;              ///< rows [0, lumels) of `gather`
-  std::vector<Sensor> sensors;            ///< rows [lumels, lumels + sensors) of `gather`
+  std::vector<Cluster> clusters;         ///< rows of `bounce`
+  std::vector<SurfaceElement> elements;  ///< grouped by cluster
+  std::vector<SurfacePiece> pieces;      ///< grouped by element
+  std::vector<Lumel> lumels;             ///< rows [0, lumels) of `gather`
+  std::vector<Sensor> sensors;           ///< rows [lumels, lumels + sensors) of `gather`
   std::vector<LightmapChart> charts;
-  std::vector<TreeNode> tree;      ///< over `clusters`: the nodes that some system imports, or a node above the systems spans
+  ClusterTreeNodes
+      tree;  ///< over `clusters`: the nodes that some system imports, or a node above the systems spans
   std::vector<SenderRef> imports;  ///< what the columns of both matrices mean
   BlockMatrix bounce;              ///< K: clusters x imports
   BlockMatrix gather;              ///< G: (lumels, sensors) x imports
@@ -154,7 +169,7 @@ struct System {
 
 /// Material of the scene as far as a solve needs it.
 struct MaterialRecord {
-  std::string name;            ///< unique
+  std::string name;  ///< unique
   bool double_sided = false;
   bool possible_emitter = false;  ///< its clusters were sampled as emitters
 };
@@ -171,8 +186,10 @@ struct Occluders {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint32_t> material;  ///< per triangle
   std::vector<std::uint32_t> node;      ///< per triangle
-  std::vector<std::uint32_t> system;    ///< per triangle; kNone: has no lightmap and no clusters (it only blocks)
-  /// Lightmap coordinates in lumels of corner k of triangle t at [3 t + k], per side. `back_uv` is empty when nothing is double-sided.
+  std::vector<std::uint32_t>
+      system;  ///< per triangle; kNone: has no lightmap and no clusters (it only blocks)
+  /// Lightmap coordinates in lumels of corner k of triangle t at [3 t + k], per side. `back_uv` is empty when
+  /// nothing is double-sided.
   std::vector<glm::vec2> front_uv;
   std::vector<glm::vec2> back_uv;
   Opacity opacity;  ///< of the triangles that let light through
@@ -198,31 +215,32 @@ struct Model {
   glm::dvec3 origin{0.0};
   double max_albedo = 0.95;
   std::uint64_t geometry_hash = 0;
-  std::uint32_t sky_resolution = 0;       ///< n of core/sky.h
-  std::vector<std::uint32_t> sky_cells;   ///< sky patch p is cell sky_cells[p]; empty when no ray escaped
-  std::vector<TreeNode> sky_tree;         ///< over `sky_cells`, weighted by solid angle: the nodes that some system imports
+  std::uint32_t sky_resolution = 0;      ///< n of core/sky.h
+  std::vector<std::uint32_t> sky_cells;  ///< sky patch p is cell sky_cells[p]; empty when no ray escaped
+  ClusterTreeNodes sky_tree;             ///< over `sky_cells`: the nodes that some system imports
   std::vector<System> systems;
-  std::vector<SpanningNode> top_tree;     ///< above the systems: the nodes that some system imports
-  std::vector<SpannedPart> top_parts;     ///< grouped by node of top_tree; systems ascend inside a node
+  std::vector<SpanningNode> top_tree;  ///< above the systems: the nodes that some system imports
+  std::vector<SpannedPart> top_parts;  ///< grouped by node of top_tree; systems ascend inside a node
   std::vector<MaterialRecord> materials;
   std::vector<NodeRecord> nodes;
   std::vector<std::string> sensor_names;
   Occluders occluders;
-  std::vector<Light> lights;             ///< of the scene, or of the stated rig
-  std::optional<Rgb> sky_radiance;       ///< cd/m2: the stated rig of an open scene that shines with nothing
-  bool lit_by_rig = false;               ///< the scene had no light and no emission
-  std::optional<Camera> camera;          ///< of the scene
+  std::vector<Light> lights;        ///< of the scene, or of the stated rig
+  std::optional<Rgb> sky_radiance;  ///< cd/m2: the stated rig of an open scene that shines with nothing
+  bool lit_by_rig = false;          ///< the scene had no light and no emission
+  std::optional<Camera> camera;     ///< of the scene
   Provenance provenance;
 };
 
-/// Clusters of all systems are numbered through, system by system: index of the first cluster of each system, and the total at the end.
+/// Clusters of all systems are numbered through, system by system: index of the first cluster of each system,
+/// and the total at the end.
 std::vector<std::uint32_t> cluster_offsets(const Model& model);
 
 /// The same for gather rows (lumels, then sensors, of each system).
 std::vector<std::uint32_t> gather_offsets(const Model& model);
 
-/// Every promise of the model: index ranges, areas, finite numbers, imports, both matrices of each system. The error names the first
-/// broken one.
+/// Every promise of the model: index ranges, areas, finite numbers, imports, both matrices of each system.
+/// The error names the first broken one.
 Result<void> check_model(const Model& model);
 
 }  // namespace relume

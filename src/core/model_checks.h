@@ -7,14 +7,18 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <span>
 #include <utility>
 
 #include "core/model.h"
 
 namespace relume {
 
-/// Nodes span at least two of the `leaves` leaves.
-Result<void> check_tree(const std::vector<TreeNode>& tree, std::size_t leaves, const std::string& owner);
+/// Nodes span at least two of the `leaves` leaves, and have a share for each.
+Result<void> check_tree(const ClusterTreeNodes& tree, std::size_t leaves, const std::string& owner);
+
+/// From 0 to 1, and together 1.
+bool are_shares(std::span<const float> values);
 
 /// The promises of core/opacity.h, over so many triangles.
 Result<void> check_opacity(const Opacity& opacity, std::size_t triangles);

@@ -11,6 +11,7 @@ namespace relume::sections {
 inline constexpr std::string_view kInfo = "INFO";
 inline constexpr std::string_view kSkyCells = "SKYC";
 inline constexpr std::string_view kSkyTree = "SKYT";
+inline constexpr std::string_view kSkyTreeShares = "SKYW";
 inline constexpr std::string_view kTopTree = "TOPN";
 inline constexpr std::string_view kTopParts = "TOPP";
 inline constexpr std::string_view kMaterials = "MATL";
@@ -36,6 +37,7 @@ inline constexpr std::string_view kLumels = "LUML";
 inline constexpr std::string_view kSensors = "SENS";
 inline constexpr std::string_view kCharts = "CHRT";
 inline constexpr std::string_view kTree = "TREE";
+inline constexpr std::string_view kTreeShares = "TREW";
 inline constexpr std::string_view kImports = "IMPT";
 inline constexpr std::string_view kBounceBlock = "KBLK";
 inline constexpr std::string_view kGatherBlock = "GBLK";

@@ -19,8 +19,8 @@ namespace {
 class SenderNumbers {
  public:
   explicit SenderNumbers(const Model& model) : model_(model), leaves_(model), next_(leaves_.count()) {
-    for (const System& system : model.systems) add_nodes(system.tree.size());
-    add_nodes(model.sky_tree.size());
+    for (const System& system : model.systems) add_nodes(system.tree.nodes.size());
+    add_nodes(model.sky_tree.nodes.size());
     add_nodes(model.top_tree.size());
   }
 
@@ -85,11 +85,10 @@ CsrMatrix empty_matrix(std::uint32_t columns) {
 /// Appends a row of P.
 void append_node(const SenderRef& node, const LeafNumbers& numbers, CsrMatrix& nodes) {
   const SenderLeaves leaves = numbers.leaves_of(node);
-  const double weight = numbers.weight_of(leaves);
   for (const LeafRange& range : leaves.ranges) {
-    for (std::uint32_t leaf = range.first; leaf < range.first + range.count; ++leaf) {
-      nodes.column_indices.push_back(leaf);
-      nodes.values.push_back(numbers.weights()[leaf] / weight);
+    for (std::uint32_t i = 0; i < range.count; ++i) {
+      nodes.column_indices.push_back(range.first + i);
+      nodes.values.push_back(range.share_of(i));
     }
   }
   nodes.row_offsets.push_back(nodes.values.size());
@@ -104,8 +103,8 @@ CsrMatrix node_matrix(const Model& model, const LeafNumbers& numbers) {
       append_node({static_cast<std::uint32_t>(system), static_cast<std::uint32_t>(n)}, numbers, nodes);
   };
   for (std::size_t s = 0; s < model.systems.size(); ++s)
-    append(s, model.systems[s].clusters.size(), model.systems[s].tree.size());
-  append(kSkySystem, model.sky_cells.size(), model.sky_tree.size());
+    append(s, model.systems[s].clusters.size(), model.systems[s].tree.nodes.size());
+  append(kSkySystem, model.sky_cells.size(), model.sky_tree.nodes.size());
   append(kSpanningNodes, 0, model.top_tree.size());
   return nodes;
 }

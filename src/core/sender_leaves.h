@@ -5,43 +5,43 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/model.h"
 
 namespace relume {
 
+/// Leaves side by side, and what they count for in the mean that is the radiosity of the sender.
 struct LeafRange {
   std::uint32_t first = 0;
   std::uint32_t count = 1;
-  friend bool operator==(const LeafRange&, const LeafRange&) = default;
+  double share = 1.0;             ///< of all of them in the sender
+  std::span<const float> shares;  ///< of each in the range; empty for a single leaf
+
+  /// Of leaf first + i in the sender.
+  double share_of(std::uint32_t i) const { return shares.empty() ? share : share * double(shares[i]); }
 };
 
+/// Refers to the model.
 struct SenderLeaves {
-  std::vector<LeafRange>
-      ranges;  ///< one; of a node above the systems, one per loaded system; none when nothing of it is loaded
-  double missing_area =
-      0.0;  ///< m2 of a node above the systems that is not loaded; a cluster or node of a system does without
+  /// One; of a node above the systems, one per loaded system; none when nothing of it is loaded.
+  std::vector<LeafRange> ranges;
+  double missing_share = 0.0;  ///< 0 to 1: how much of the sender is not loaded
 };
 
 class LeafNumbers {
  public:
+  /// Borrows the model.
   explicit LeafNumbers(const Model& model);
-  std::uint32_t count() const { return static_cast<std::uint32_t>(weights_.size()); }
-  /// What each leaf counts for in the mean of a node: m2, or sr.
-  const std::vector<double>& weights() const { return weights_; }
+  std::uint32_t count() const;
   SenderLeaves leaves_of(const SenderRef& sender) const;
-  /// Sum of the weights, and the missing area.
-  double weight_of(const SenderLeaves& leaves) const;
-  /// 0 to 1: how much of the sender is not loaded.
-  double missing_share(const SenderLeaves& leaves) const;
 
  private:
   LeafRange range_in_system(const SenderRef& sender) const;
 
   const Model& model_;
   std::vector<std::uint32_t> first_cluster_;  ///< per system, then of the sky
-  std::vector<double> weights_;
 };
 
 }  // namespace relume

@@ -34,7 +34,7 @@ JsonObject system_json(const System& system, const MatrixSummary& bounce, const 
           {"clusters", system.clusters.size()},
           {"lumels", system.lumels.size()},
           {"sensors", system.sensors.size()},
-          {"tree_nodes", system.tree.size()},
+          {"tree_nodes", system.tree.nodes.size()},
           {"imports", system.imports.size()},
           {"lightmap", JsonArray{system.lightmap_width, system.lightmap_height}},
           {"bounce", matrix_json(bounce)},
@@ -61,7 +61,7 @@ ModelSummary summarise_model(const Model& model) {
     add(summary.bounce, bounce);
     add(summary.gather, gather);
     summary.clusters += system.clusters.size();
-    summary.tree_nodes += system.tree.size();
+    summary.tree_nodes += system.tree.nodes.size();
     summary.imports += system.imports.size();
     summary.lumels += system.lumels.size();
     summary.sensors += system.sensors.size();
@@ -69,7 +69,7 @@ ModelSummary summarise_model(const Model& model) {
     for (const Lumel& lumel : system.lumels) summary.invalid_lumels += (lumel.flags & kLumelInvalid) != 0;
     summary.systems.push_back(system_json(system, bounce, gather));
   }
-  summary.tree_nodes += model.sky_tree.size() + model.top_tree.size();
+  summary.tree_nodes += model.sky_tree.nodes.size() + model.top_tree.size();
   summary.spanning_nodes = model.top_tree.size();
   summary.options = model.provenance.options;
   summary.bounce.columns =

@@ -170,13 +170,11 @@ TEST_F(SolveOnDevice, NodesAreTheMeansOfTheirLeaves) {
   EXPECT_TRUE(agrees_with_reference(out, model, lighting));
 }
 
-// Two clusters of 1 and 3 m2 that shine 8 and 4 make a node of (8 + 3 * 4) / 4 = 5, of which the only row
-// receives a quarter. All of it is exact.
+// Two clusters that shine 8 and 4 and have shares of 1/4 and 3/4 make a node of (8 + 3 * 4) / 4 = 5, of which
+// the only row receives a quarter. All of it is exact.
 TEST_F(SolveOnDevice, ANodeByHand) {
   Model model = drawn_model({{{{0, 2}}, {{0.0}, {0.0}}, {{0.25}}}}, 0);
-  model.systems[0].clusters[0].area = 1.0f;
-  model.systems[0].clusters[1].area = 3.0f;
-  model.systems[0].tree = {{0, 2}};
+  model.systems[0].tree = {{{0, 2, 0}}, {0.25f, 0.75f}};
   Lighting lighting = uniform_lighting(2, Rgb(0.5), Rgb(8.0));
   lighting.exitance[1] = Rgb(4.0);
   EXPECT_EQ(solve(model, lighting, {1, 0.0}).irradiance[0], Rgb(1.25));
@@ -198,15 +196,13 @@ TEST_F(SolveOnDevice, SystemsThatAreNotLoadedAreBlack) {
   }
 }
 
-// Two systems: clusters of 1 and 3 m2 that shine 8 and 4, and the node of both, of which the only row
+// Two systems: clusters that shine 8 and 4, and the node of both by 1/4 and 3/4, of which the only row
 // receives a quarter of (8 + 3 x 4) / 4 = 5; without the second system, a quarter of 8 / 4. All of it is
 // exact.
 TEST_F(SolveOnDevice, ANodeAboveTheSystemsByHand) {
   Model model = drawn_model({{{{kSpanningNodes, 0}}, {{0.0}}, {{0.25}}}, {{}, {{}}, {}}}, 0);
-  model.systems[0].clusters[0].area = 1.0f;
-  model.systems[1].clusters[0].area = 3.0f;
   model.top_tree = {{0, 2}};
-  model.top_parts = {{{0, 0}, 1.0f}, {{1, 0}, 3.0f}};
+  model.top_parts = {{{0, 0}, 0.25f}, {{1, 0}, 0.75f}};
   Lighting lighting = uniform_lighting(2, Rgb(0.5), Rgb(8.0));
   lighting.exitance[1] = Rgb(4.0);
   EXPECT_EQ(solve(model, lighting, {1, 0.0}).irradiance[0], Rgb(1.25));

@@ -41,26 +41,33 @@ BlockMatrix to_blocks(const DenseMatrix& dense, std::uint32_t columns, const Sto
   return std::move(builder).finish();
 }
 
-std::vector<TreeNode> random_tree(Random& random, std::uint32_t nodes, std::uint32_t leaves) {
-  std::vector<TreeNode> tree;
+ClusterTreeNodes random_tree(Random& random, std::uint32_t nodes, std::uint32_t leaves) {
+  ClusterTreeNodes tree;
   for (std::uint32_t i = 0; i < nodes && leaves >= 2; ++i) {
-    const std::uint32_t first = random.below(leaves - 1);
-    tree.push_back({first, 2 + random.below(leaves - first - 1)});
+    const std::uint32_t first = random.below(leaves - 1), count = 2 + random.below(leaves - first - 1);
+    tree.nodes.push_back({first, count, static_cast<std::uint32_t>(tree.shares.size())});
+    std::vector<double> weights;
+    for (std::uint32_t k = 0; k < count; ++k) weights.push_back(1.0 + random.below(100));
+    const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+    for (const double weight : weights) tree.shares.push_back(static_cast<float>(weight / sum));
   }
   return tree;
 }
 
 void add_spanning_nodes(Random& random, std::uint32_t nodes, Model& model) {
-  const LeafNumbers numbers(model);
   for (std::uint32_t i = 0; i < nodes; ++i) {
     const auto first_part = static_cast<std::uint32_t>(model.top_parts.size());
     for (std::uint32_t s = 0; s < model.systems.size(); ++s) {
       if (s > 1 && random.below(3) == 0) continue;  // two parts at least
       const System& system = model.systems[s];
-      const SenderRef sender{s, random.below(std::uint32_t(system.clusters.size() + system.tree.size()))};
-      const double area = numbers.weight_of(numbers.leaves_of(sender));
-      model.top_parts.push_back({sender, static_cast<float>(area)});
+      const SenderRef sender{s,
+                             random.below(std::uint32_t(system.clusters.size() + system.tree.nodes.size()))};
+      model.top_parts.push_back({sender, 1.0f + static_cast<float>(random.below(7))});
     }
+    const std::span parts(model.top_parts.begin() + first_part, model.top_parts.end());
+    float sum = 0.0f;
+    for (const SpannedPart& part : parts) sum += part.share;
+    for (SpannedPart& part : parts) part.share /= sum;
     model.top_tree.push_back({first_part, static_cast<std::uint32_t>(model.top_parts.size()) - first_part});
   }
 }

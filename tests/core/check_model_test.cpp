@@ -151,13 +151,31 @@ TEST(CheckModel, RefusesBrokenImportsAndMatrices) {
       {[](Model& m) { m.systems[0].imports[1].index = 1; },
        "import 1: expected a sky patch or node below 1, found 1"},
       {[](Model& m) {
-         m.systems[1].tree = {{0, 2}};
+         m.systems[1].tree = {{{0, 2, 0}}, {0.5f, 0.5f}};
        },
        "system 1, tree node 0: expected at least 2 of 1 leaves"},
       {[](Model& m) {
-         m.sky_tree = {{0, 1}};
+         m.sky_tree = {{{0, 1, 0}}, {1.0f}};
        },
        "sky, tree node 0: expected at least 2 of 1 leaves"},
+      {[](Model& m) {
+         m.sky_cells = {8, 9}, m.sky_tree = {{{0, 2, 1}}, {0.5f, 0.5f}};
+       },
+       "sky, tree node 0: expected 2 shares from 0 on, found them from 1 on of 2"},
+      {[](Model& m) {
+         m.sky_cells = {8, 9}, m.sky_tree = {{{0, 2, 0}}, {0.5f}};
+       },
+       "expected 2 shares from 0 on, found them from 0 on of 1"},
+      {[](Model& m) {
+         m.sky_cells = {8, 9}, m.sky_tree = {{{0, 2, 0}}, {0.5f, 0.75f}};
+       },
+       "expected shares from 0 to 1 that add up to 1, found 1.25"},
+      {[](Model& m) {
+         m.sky_cells = {8, 9}, m.sky_tree = {{{0, 2, 0}}, {-0.5f, 1.5f}};
+       },
+       "expected shares from 0 to 1 that add up to 1, found 1"},
+      {[](Model& m) { m.sky_tree.shares = {1.0f}; },
+       "sky: expected 0 shares, as the nodes of its tree have leaves, found 1"},
       {[](Model& m) { m.systems[0].imports[1] = m.systems[0].imports[0]; }, "each import once"},
       {[](Model& m) { m.systems[0].imports.pop_back(); },
        "bounce matrix: expected 1 rows and 1 columns, found 1 and 2"},

@@ -56,11 +56,12 @@ TEST(ModelFile, ComesBackAsItWas) {
 TEST(ModelFile, KeepsNodesOfTrees) {
   Model model = test::tiny_model();
   model.sky_cells = {8, 3};
-  model.sky_tree = {{0, 2}};
+  model.sky_tree = {{{0, 2, 0}}, {0.25f, 0.75f}};
   model.systems[0].imports = {{1, 0}, {kSkySystem, 2}};
   const auto read = decode_model(encode_model(model), "nodes");
   ASSERT_TRUE(read) << read.error().message;
-  EXPECT_EQ(read->sky_tree, model.sky_tree);
+  EXPECT_EQ(read->sky_tree.nodes, model.sky_tree.nodes);
+  EXPECT_EQ(read->sky_tree.shares, model.sky_tree.shares);
   EXPECT_EQ(read->systems[0].imports, model.systems[0].imports);
   model.systems[0].imports[1].index = 3;
   EXPECT_FALSE(decode_model(encode_model(model), "nodes")) << "there is no such node";

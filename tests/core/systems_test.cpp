@@ -27,13 +27,12 @@ BlockMatrix column(const std::vector<double>& values) {
   return std::move(builder).finish();
 }
 
-/// The tiny model with a lid of 3 m2 instead of 1; the floor sees lid and itself as one node, and the sky.
+/// The tiny model; the floor sees the sky, and lid and itself as one node, in which the lid counts three
+/// times as much.
 Model spanning_model() {
   Model model = test::tiny_model();
-  System& lid = model.systems[1];
-  lid.clusters[0].area = lid.elements[0].area = 3.0f;
   model.top_tree = {{0, 2}};
-  model.top_parts = {{{0, 0}, 1.0f}, {{1, 0}, 3.0f}};
+  model.top_parts = {{{0, 0}, 0.25f}, {{1, 0}, 0.75f}};
   model.systems[0].imports[0] = {kSpanningNodes, 0};
   return model;
 }
@@ -47,7 +46,7 @@ Model without_lid() {
   return model;
 }
 
-TEST(SpanningNodes, AreMeansByAreaOverTheirSystems) {
+TEST(SpanningNodes, AreMeansOverTheirSystems) {
   const Model model = spanning_model();
   ASSERT_TRUE(check_model(model)) << check_model(model).error().message;
   const ReferenceMatrices matrices = reference_matrices(model);
@@ -82,9 +81,9 @@ TEST(SpanningNodes, BrokenPromisesAreRefused) {
        "expected 0 parts, as they have, found 2"},
       {[](Model& m) { m.top_parts[1] = m.top_parts[0]; }, "parts in systems that ascend, found 0 after 0"},
       {[](Model& m) { std::swap(m.top_parts[0], m.top_parts[1]); }, "that ascend, found 0 after 1"},
-      {[](Model& m) { m.top_parts[1].area = 2.0f; }, "part 1: expected the area of its clusters, 3, found 2"},
-      {[](Model& m) { m.top_parts[1].area = 0.0f; }, "part 1: expected an area above 0, found 0"},
-      {[](Model& m) { m.top_parts[1].area = std::nanf(""); }, "part 1: expected an area above 0, found nan"},
+      {[](Model& m) { m.top_parts[1].share = 0.5f; },
+       "expected shares from 0 to 1 that add up to 1, found 0.75"},
+      {[](Model& m) { m.top_parts[1].share = std::nanf(""); }, "add up to 1, found nan"},
       {[](Model& m) { m.top_parts[1].sender.system = 2; }, "part 1: expected a system below 2, found 2"},
       {[](Model& m) { m.top_parts[1].sender.system = kSkySystem; }, "part 1: expected a system below 2"},
       {[](Model& m) {
@@ -132,7 +131,7 @@ TEST(SpanningNodes, WhateverPassesTheChecksIsSafeToUse) {
   EXPECT_GT(refused, 60);
 }
 
-TEST(SystemsNotLoaded, AreBlackAndTheirAreaStillCounts) {
+TEST(SystemsNotLoaded, AreBlackAndTheirShareStillCounts) {
   const Model model = without_lid();
   ASSERT_TRUE(check_model(model)) << check_model(model).error().message;
   const ReferenceMatrices matrices = reference_matrices(model);

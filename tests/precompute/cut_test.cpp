@@ -95,7 +95,8 @@ Probing shown(const ClusterTree& tree, const std::vector<float>& radiosities) {
 CutTile cut(const ClusterTree& tree, const Probing& probing, std::vector<const FormFactorRow*> rows,
             const CutLimits& limits) {
   const std::vector<float> rays(rows.size(), 1e9f);
-  return TileCutter(tree, probing).cut({rows, rays}, limits);
+  const std::vector<float> areas(rows.size(), 0.0f);
+  return TileCutter({tree, probing}).cut({rows, rays, areas}, limits);
 }
 
 const std::vector<float> kRamp{1, 2, 3, 4, 5, 6, 7, 8};
@@ -192,6 +193,32 @@ TEST(CoarsenImports, CannotGoAboveRoots) {
   EXPECT_EQ(coarser.count, 4u);
 }
 
+// Rows of 2 m2 and 1 m2 that keep the root: 2 x 0.5 = 1 m2 from leaf 0, 2 x 0.25 + 0.5 = 1 m2 from leaf 1,
+// 0.25 from leaf 7.
+TEST(NodeFlux, IsWhatTheRowsReceiveFromEachLeafByWayOfTheNode) {
+  const ClusterTree tree = tree_of_eight();
+  const Probing probing = shown(tree, std::vector<float>(8, 1.0f));
+  NodeFlux flux(tree, 3.0);
+  const FormFactorRow large{{0, 1}, {0.5f, 0.25f}}, small{{1, 7}, {0.5f, 0.25f}};
+  TileCutter({tree, probing, &flux}).cut({{&large, &small}, {1e9f, 1e9f}, {2.0f, 1.0f}}, {1, 0.0});
+  const std::vector<double> of_root = flux.of(tree.roots[0]);
+  ASSERT_EQ(of_root.size(), 8u);
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(of_root[i], i < 2 ? 1.0 : i == 7 ? 0.25 : 0.0, 1e-15) << i;
+  const std::vector<double> below = flux.of(tree.nodes[tree.roots[0]].left);
+  EXPECT_EQ(below, std::vector<double>(4, 0.0)) << "no row keeps a node below";
+}
+
+// Nobody keeps the root, but its halves.
+TEST(NodeFlux, OfANodeThatNoRowKeepsIsThatOfTheNodesBelow) {
+  const ClusterTree tree = tree_of_eight();
+  const Probing probing = shown(tree, {1, 1, 1, 1, 5, 5, 5, 5});
+  NodeFlux flux(tree, 1.0);
+  const FormFactorRow row{{0, 5}, {0.5f, 0.25f}};
+  TileCutter({tree, probing, &flux}).cut({{&row}, {1e9f}, {1.0f}}, {2, 0.0});
+  const std::vector<double> of_root = flux.of(tree.roots[0]);
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(of_root[i], i == 0 ? 0.5 : i == 5 ? 0.25 : 0.0, 1e-15) << i;
+}
+
 TEST(SensorSystems, AreThoseThatTheySeeMostOf) {
   SenderTree senders;
   senders.places = {{0, 0}, {1, 0}, {1, 1}, {kSkySystem, 0}};
@@ -205,7 +232,9 @@ TEST(CutRows, MakesTilesOfNeighboursWithTheRestInTheLast) {
   const FormFactorRow left{{0, 1}, {0.5f, 0.25f}}, right{{7}, {0.5f}};
   const std::vector<const FormFactorRow*> rows{&left, &left, &right};
   const CutLimits limits{100, 0.0};
-  const auto tiles = cut_rows(tree, shown(tree, kRamp), {rows, {1e9f, 1e9f, 1e9f}}, {2, {&limits, 1}});
+  const Probing probing = shown(tree, kRamp);
+  const auto tiles =
+      cut_rows({tree, probing}, {rows, {1e9f, 1e9f, 1e9f}, {0.0f, 0.0f, 0.0f}}, {2, {&limits, 1}});
   ASSERT_EQ(tiles.size(), 2u);
   EXPECT_EQ(tiles[0].values.size(), 2u);
   EXPECT_EQ(tiles[1].values, (std::vector<std::vector<float>>{{0.5f}}));

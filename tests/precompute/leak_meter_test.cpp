@@ -49,7 +49,7 @@ Model two_floors() {
   add_quad(model, {{100, 1, 0}, kX, kZ}, 2);
   add_box(model, {100, 0, 0}, {101, 1, 1});
   add_box(model, {102, 0, 0}, {105, 1, 1});
-  model.systems[0].tree = {{0, 2}};
+  model.systems[0].tree = {{{0, 2, 0}}, {0.25f, 0.75f}};
   return model;
 }
 

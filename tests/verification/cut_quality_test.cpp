@@ -135,8 +135,11 @@ class CutQuality : public testing::Test {
   std::vector<CutTile> cut(const std::vector<FormFactorRow>& rows, std::uint32_t tile_rows) const {
     const CutLimits limits{kBudget, 0.0};
     TileRows all;
-    for (const FormFactorRow& row : rows) all.rows.push_back(&row), all.rays.push_back(float(kRays));
-    return cut_rows(survey_.senders.tree, survey_.probing, all, {tile_rows, {&limits, 1}});
+    for (const FormFactorRow& row : rows) {
+      all.rows.push_back(&row);
+      all.rays.push_back(float(kRays)), all.areas.push_back(0.0f);
+    }
+    return cut_rows({survey_.senders.tree, survey_.probing}, all, {tile_rows, {&limits, 1}});
   }
 
   Scene scene_;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "core/model_file.h"
@@ -99,6 +100,38 @@ TEST(Cut, RowSumsAreThoseOfTheRays) {
   const auto full_rows = rows_by_place(full), cut_rows = rows_by_place(cut);
   for (std::uint32_t i = 0; i < a.gather.rows.rows; ++i)
     EXPECT_NEAR(sum(a.gather.rows, full_rows[i]), sum(b.gather.rows, cut_rows[i]), 1e-5) << i;
+}
+
+/// What all clusters and lumels receive from light that differs from place to place, lm.
+double received(const Model& model) {
+  const System& system = model.systems[0];
+  Lighting lighting = stored_lighting(model);
+  std::vector<Rgb> radiosity;
+  for (std::size_t c = 0; c < system.clusters.size(); ++c) {
+    const glm::vec3 at = system.clusters[c].centroid;
+    radiosity.emplace_back(1.0 + std::sin(9.0 * double(at.x)) * std::cos(7.0 * double(at.y + at.z)));
+    lighting.albedo[c] = Rgb(1.0), lighting.exitance[c] = Rgb(0.0);
+  }
+  for (std::size_t i = 0; i < model.sky_cells.size(); ++i)
+    lighting.sky_radiosity[i] = Rgb(1.0 + std::sin(double(model.sky_cells[i])));
+  const ReferenceMatrices matrices = reference_matrices(model);
+  const std::vector<Rgb> clusters = bounce(matrices.bounce, lighting, radiosity),
+                         rows = gather(matrices.gather, lighting, radiosity);
+  double sum = 0.0;
+  for (std::size_t c = 0; c < clusters.size(); ++c) sum += double(system.clusters[c].area) * clusters[c].x;
+  for (std::size_t i = 0; i < system.lumels.size(); ++i)
+    sum += double(system.elements[system.lumels[i].element].area) * rows[i].x;
+  return sum;
+}
+
+// Rows of the same rays. By areas, 16 nodes would lose percents of it.
+TEST(Cut, NodesNeitherLoseNorWinLight) {
+  const Scene scene = furnished_corner();
+  const double full = received(precompute_or_throw(scene, coarse(0)));
+  for (const std::uint32_t budget : {16u, 64u, 256u}) {
+    // Rounding to single precision, of shares and of form factors.
+    EXPECT_NEAR(received(precompute_or_throw(scene, coarse(budget))) / full, 1.0, 1e-5) << budget;
+  }
 }
 
 TEST(Cut, TheSameBytesForAnyNumberOfThreads) {
