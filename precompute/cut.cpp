@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <map>
 #include <queue>
 
@@ -14,6 +15,17 @@ constexpr float kNoiseShare = 0.5f;
 /// Of what a node seems to hide, counts at least: where rays are few, noise hides what finer nodes would
 /// show.
 constexpr float kAtLeast = 0.1f;
+/// What a light in an unknown place counts for: square of the share of a room's indirect light that comes
+/// from its spot at first hand. Spots are no smaller than this share of the room's surface.
+constexpr float kSpots = 0.02f, kLeastSpot = 0.003f;
+
+/// Form factor over area, but for what stands between.
+float density(const SurfacePoint& from, const NodeSurface& to) {
+  const glm::vec3 way = to.centroid - from.position;
+  const float squared = std::max(glm::dot(way, way), 0.25f * to.area);
+  const float here = glm::dot(way, from.normal), there = -glm::dot(way, to.normal);
+  return here <= 0.0f || there <= 0.0f ? 0.0f : here * there / (squared * squared);
+}
 
 }  // namespace
 
@@ -22,19 +34,25 @@ struct TileCutter::Candidate {
   float squared_error = 0.0f;  ///< mean over rows and probes
   std::uint32_t node = 0;
   std::size_t first = 0, last = 0;  ///< its leaves among those of the tile
+  float spot_error = 0.0f;          ///< squared, part of squared_error
   friend bool operator<(const Candidate& a, const Candidate& b) {
     return a.squared_error != b.squared_error ? a.squared_error < b.squared_error : a.node > b.node;
   }
 };
 
-const ProbeValues& room_weights(const Probing& probing, const FormFactorRow& row) {
-  static constexpr ProbeValues kNothing{};
+std::uint32_t room_of(const Probing& probing, const FormFactorRow& row) {
   std::map<std::uint32_t, float> sums;
   for (std::size_t i = 0; i < row.senders.size() && row.senders[i] < probing.rooms.size(); ++i)
     sums[probing.rooms[row.senders[i]]] += row.values[i];
   const auto most = std::max_element(sums.begin(), sums.end(),
                                      [](const auto& a, const auto& b) { return a.second < b.second; });
-  return most == sums.end() ? kNothing : probing.weights[most->first];
+  return most == sums.end() ? kNoRoom : most->first;
+}
+
+const ProbeValues& room_weights(const Probing& probing, const FormFactorRow& row) {
+  static constexpr ProbeValues kNothing{};
+  const std::uint32_t room = room_of(probing, row);
+  return room == kNoRoom ? kNothing : probing.weights[room];
 }
 
 TileCutter::TileCutter(const CutSenders& senders)
@@ -64,9 +82,14 @@ void TileCutter::unite(const TileRows& tile) {
 
 void TileCutter::sum_up(const TileRows& tile) {
   weights_.clear();
-  for (const FormFactorRow* row : tile.rows) weights_.push_back(room_weights(probing_, *row));
+  row_rooms_.clear();
+  for (const FormFactorRow* row : tile.rows) {
+    weights_.push_back(room_weights(probing_, *row));
+    row_rooms_.push_back(room_of(probing_, *row));
+  }
   rays_ = tile.rays;
   areas_ = tile.areas;
+  places_ = tile.places;
   factor_sums_.assign(rows_, 0.0f);
   factor_sums_.resize((leaves_.size() + 1) * rows_);
   light_sums_.assign(rows_, ProbeValues{});
@@ -87,7 +110,7 @@ void TileCutter::sum_up(const TileRows& tile) {
     }
   }
   added_errors_.assign(rows_, ProbeValues{});
-  squared_errors_ = 0.0;
+  squared_errors_ = spot_errors_ = 0.0;
 }
 
 TileCutter::Candidate TileCutter::candidate(std::uint32_t node, std::size_t first, std::size_t last) const {
@@ -112,11 +135,33 @@ TileCutter::Candidate TileCutter::candidate(std::uint32_t node, std::size_t firs
   }
   noise = std::clamp(noise, 0.0f, squared);
   result.squared_error = std::max(squared - kNoiseShare * noise, kAtLeast * squared) / float(rows_ * kProbes);
+  result.spot_error = spot_error(result);
+  result.squared_error += result.spot_error;
   return result;
+}
+
+float TileCutter::spot_error(const Candidate& c) const {
+  const TreeNodeRange& range = tree_.nodes[c.node];
+  const NodeSurface& own = probing_.surfaces[c.node];
+  if (own.area <= 0.0f) return 0.0f;
+  const NodeSurface &left = probing_.surfaces[range.left], &right = probing_.surfaces[range.left + 1];
+  float sum = 0.0f;
+  for (std::size_t r = 0; r < rows_; ++r) {
+    if (row_rooms_[r] != probing_.rooms[range.first]) continue;
+    const float factor = factor_sums_[c.last * rows_ + r] - factor_sums_[c.first * rows_ + r];
+    const float here = density(places_[r], left), there = density(places_[r], right);
+    const float mean = (left.area * here + right.area * there) / own.area;
+    const float difference = mean > 0.0f ? factor * (here - there) / mean : factor;
+    sum += difference * difference;
+  }
+  const float halves = left.area * right.area / (own.area * own.area);
+  const float spots = own.room_area / std::max(own.area, kLeastSpot * own.room_area);
+  return kSpots * spots * halves * sum / float(rows_);
 }
 
 void TileCutter::book(const Candidate& c, float sign) {
   squared_errors_ += double(sign * c.squared_error);
+  spot_errors_ += double(sign * c.spot_error);
   if (tree_.nodes[c.node].count == 1) return;
   const ProbeValues& mean = probing_.nodes[c.node];
   for (std::size_t r = 0; r < rows_; ++r) {
@@ -134,7 +179,7 @@ float TileCutter::tile_error() const {
   for (const ProbeValues& row : added_errors_) {
     for (const float error : row) added += error * error;
   }
-  return std::max(float(squared_errors_), added / float(rows_ * kProbes));
+  return std::max(float(squared_errors_), added / float(rows_ * kProbes) + float(spot_errors_));
 }
 
 template <class Stop>
@@ -208,7 +253,7 @@ CutTile TileCutter::finish(std::vector<Candidate> kept) const {
     }
     float squares = 0.0f;
     for (const float error : added_errors_[r]) squares += error * error;
-    tile.error.push_back(std::sqrt(squares / float(kProbes)));
+    tile.error.push_back(std::sqrt(squares / float(kProbes) + float(std::max(spot_errors_, 0.0))));
   }
   return tile;
 }

@@ -34,8 +34,9 @@ struct CutLimits {
 /// Rows side by side that are to share one column list.
 struct TileRows {
   std::vector<const FormFactorRow*> rows;
-  std::vector<float> rays;   ///< of each
-  std::vector<float> areas;  ///< of each, m2: of points 0
+  std::vector<float> rays;           ///< of each
+  std::vector<float> areas;          ///< of each, m2: of points 0
+  std::vector<SurfacePoint> places;  ///< of each: its middle
 };
 
 /// What rows are cut against; `flux`, if there is one, gets what they receive by way of the nodes that they
@@ -61,7 +62,8 @@ class TileCutter {
   /// Starts from the roots and refines the node whose mean radiosity, in place of those of its leaves,
   /// changes the irradiance of the rows most: sum_j F_j (b_j - b_n) for each row and probe, relative to the
   /// irradiance of the room that the row lies in, root mean square, less what the noise of the rays alone
-  /// would make of it. Where all of a node looks alike it stays whole, however near it is.
+  /// would make of it; and what it would hide of a light that the probes know nothing of, which lights a
+  /// small spot somewhere in the room.
   CutTile cut(const TileRows& tile, const CutLimits& limits);
 
   /// All refinements down to the leaves.
@@ -76,6 +78,10 @@ class TileCutter {
   std::vector<Candidate> refine(Stop&& stop);
   Candidate candidate(std::uint32_t node, std::size_t first, std::size_t last) const;
   /// Adds a node's errors to what the tile has so far, or (-1) takes them away.
+  /// What a node hides of a small light that shines somewhere in the room of the rows: squared, mean over the
+  /// places where it may shine. Its halves differ in what a row sees of their area as the cosine law says of
+  /// their middles.
+  float spot_error(const Candidate& c) const;
   void book(const Candidate& candidate, float sign);
   /// Squared: errors of nodes count as independent, and as what they add up to if that is more.
   float tile_error() const;
@@ -95,9 +101,17 @@ class TileCutter {
   std::vector<ProbeValues> noise_sums_;  ///< [leaf]: of form factor x (weight x radiosity)^2 / rays over rows
   std::vector<ProbeValues> weights_;     ///< [row]
   std::vector<float> rays_, areas_;      ///< [row]
+  std::vector<SurfacePoint> places_;     ///< [row]
+  std::vector<std::uint32_t> row_rooms_;   ///< [row]
   std::vector<ProbeValues> added_errors_;  ///< [row]: of all nodes kept so far
   double squared_errors_ = 0.0;            ///< of all nodes kept so far, over rows and probes
+  double spot_errors_ = 0.0;               ///< the part of it that spots make
 };
+
+inline constexpr std::uint32_t kNoRoom = 0xffffffffu;
+
+/// The room that a row lies in: the one that it sees most of; kNoRoom where it sees none.
+std::uint32_t room_of(const Probing& probing, const FormFactorRow& row);
 
 /// The weights of the room that a row lies in: the one that it sees most of. All 0 where it sees none.
 const ProbeValues& room_weights(const Probing& probing, const FormFactorRow& row);

@@ -30,7 +30,8 @@ std::vector<CutTile> cut_rows(const CutSenders& senders, const TileRows& rows,
       return std::vector(all.begin() + std::ptrdiff_t(first), all.begin() + std::ptrdiff_t(first + count));
     };
     const auto limits = options.limits.size() == 1 ? options.limits : options.limits.subspan(first, count);
-    tiles[t] = cutters.local().cut({part(rows.rows), part(rows.rays), part(rows.areas)}, tile_limits(limits));
+    tiles[t] = cutters.local().cut({part(rows.rows), part(rows.rays), part(rows.areas), part(rows.places)},
+                                   tile_limits(limits));
   });
   return tiles;
 }

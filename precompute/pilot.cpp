@@ -33,6 +33,7 @@ PilotRows trace_rows_of(std::span<const Receiver> receivers, const SobolPoints& 
                       worker.tracer.trace(receiver, points, {kHalf, kHalf})});
     worker.mean.add(halves.back().first.row, 0.5);
     worker.mean.add(halves.back().second.row, 0.5);
+    result.places.push_back(receiver.middle());
     result.rows.push_back(worker.mean.finish());
     const double radius = double(receiver.radius());
     result.weight += kPi * radius * radius / (mean_area * double(receivers.size()));
@@ -109,6 +110,7 @@ double find_node_error(const std::vector<PilotRows>& pilot, const ClusterTree& t
     for (const FormFactorRow& row : pilot[i].rows) tile.rows.push_back(&row);
     tile.rays.assign(tile.rows.size(), float(kPilotRays));
     tile.areas.assign(tile.rows.size(), 0.0f);
+    tile.places = pilot[i].places;
     steps[i] = cutters.local().steps(tile);
   });
   const auto error_at = [&](double node_error) {

@@ -13,8 +13,9 @@ namespace relume {
 /// Rows of the elements of one cluster.
 struct PilotRows {
   std::vector<FormFactorRow> rows;
-  double squared_noise = 0.0;  ///< as row_noise finds it
-  double weight = 0.0;         ///< of each element: its area over the mean
+  std::vector<SurfacePoint> places;  ///< of each
+  double squared_noise = 0.0;        ///< as row_noise finds it
+  double weight = 0.0;               ///< of each element: its area over the mean
 };
 
 /// So many rays each.

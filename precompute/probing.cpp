@@ -117,6 +117,7 @@ class Prober {
     weigh();
     vary();
     result_.nodes = node_means(scene_.senders, result_.senders);
+    find_surfaces();
     return std::move(result_);
   }
 
@@ -132,6 +133,7 @@ class Prober {
   float albedo(std::uint32_t material, std::size_t probe) const {
     return kLeastAlbedo + (kMostAlbedo - kLeastAlbedo) * Dice(scene_.seed, 0x616c + material, probe).next();
   }
+  void find_surfaces();
   void bounce();
   /// Makes radiosities differ as textures and lights in other places would.
   void vary();
@@ -309,6 +311,26 @@ std::vector<ProbeValues> Prober::room_means(const std::vector<ProbeValues>& clus
     for (float& mean : means[room]) mean = std::sqrt(mean);
   }
   return means;
+}
+
+void Prober::find_surfaces() {
+  const std::vector<TreeNodeRange>& nodes = scene_.senders.tree.nodes;
+  result_.surfaces.resize(nodes.size());
+  // Children stand after their parents.
+  for (std::size_t n = nodes.size(); n-- > 0;) {
+    NodeSurface& own = result_.surfaces[n];
+    if (nodes[n].first >= clusters_.size()) continue;
+    own.room_area = rooms_[result_.rooms[nodes[n].first]].area();
+    if (nodes[n].count == 1) {
+      const ProbedCluster& cluster = clusters_[nodes[n].first];
+      own.area = cluster.area, own.centroid = cluster.at.position, own.normal = cluster.at.normal;
+      continue;
+    }
+    const NodeSurface &left = result_.surfaces[nodes[n].left], &right = result_.surfaces[nodes[n].left + 1];
+    own.area = left.area + right.area;
+    own.centroid = (left.area * left.centroid + right.area * right.centroid) / own.area;
+    own.normal = (left.area * left.normal + right.area * right.normal) / own.area;
+  }
 }
 
 void Prober::weigh() {

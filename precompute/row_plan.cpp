@@ -13,7 +13,7 @@ constexpr std::uint32_t kMostSensorRays = 1u << 16, kLeastSensorRays = 1024, kMi
 constexpr std::uint32_t kSensorQualities = 16;
 constexpr std::uint32_t kMaxQuality = 1u << 20;
 /// What clusters begin with at a target of 100 %; errors are about of second order in the size.
-constexpr double kClearanceShare = 2.0;
+constexpr double kClearanceShare = 1.15;
 /// 8 bits with square-root coding cost less than a percent.
 constexpr double kCoarseCodesFrom = 0.02;
 

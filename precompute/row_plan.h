@@ -10,7 +10,7 @@
 namespace relume {
 
 /// Causes are independent, so that their squares add up; each gets this share of the target.
-inline constexpr double kClusterShare = 0.5, kRayShare = 0.3, kCutShare = 0.28;
+inline constexpr double kClusterShare = 0.5, kRayShare = 0.3, kCutShare = 0.25;
 
 struct RowPlan {
   bool cut = false;  ///< needs a survey

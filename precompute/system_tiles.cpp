@@ -26,9 +26,12 @@ std::vector<CutTile> cut_clusters(const CutSenders& senders, const TracedSystem&
   TileRows tile_rows;
   tile_rows.rays.assign(system.surface.cluster_count, 0.0f);
   tile_rows.areas.assign(system.surface.cluster_count, 0.0f);
+  tile_rows.places.resize(system.surface.cluster_count);
   for (std::size_t e = 0; e < system.surface.cluster.size(); ++e) {
     tile_rows.rays[system.surface.cluster[e]] += float(rows.element_rays[e].count);
-    tile_rows.areas[system.surface.cluster[e]] += system.surface.surface.elements[e].area;
+    const Element& element = system.surface.surface.elements[e];
+    tile_rows.areas[system.surface.cluster[e]] += element.area;
+    tile_rows.places[system.surface.cluster[e]] = {element.position, element.normal};
   }
   for (const FormFactorRow& row : rows.clusters) tile_rows.rows.push_back(&row);
   const std::vector<CutLimits> cuts = cluster_cuts(system, node_cuts);
@@ -57,7 +60,9 @@ void LumelCutter::cut(std::size_t count, SystemRows& rows) {
   for (std::size_t i = 0; i < count; ++i) {
     tile_rows.rows.push_back(&rows.elements[waiting_[i]]);
     tile_rows.rays.push_back(float(rows.element_rays[waiting_[i]].count));
-    tile_rows.areas.push_back(system_.surface.surface.elements[waiting_[i]].area);
+    const Element& element = system_.surface.surface.elements[waiting_[i]];
+    tile_rows.areas.push_back(element.area);
+    tile_rows.places.push_back({element.position, element.normal});
     limits.push_back(node_cuts_[system_.node(waiting_[i])]);
   }
   if (count == 0) return;

@@ -66,6 +66,7 @@ Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces, c
       own.rows.push_back(&rows.sensors.rows[i]);
       own.rays.push_back(float(rows.sensors.rays[i].count));
       own.areas.push_back(0.0f);
+      own.places.push_back(sensors[i]);
     }
     rows.tiles[s].sensors = cut_rows(*cut, own, {1, {&plan.sensor_cut, 1}});
   }

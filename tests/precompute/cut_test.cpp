@@ -89,6 +89,7 @@ Probing shown(const ClusterTree& tree, const std::vector<float>& radiosities) {
     probing.nodes.emplace_back().fill(sum / float(node.count));
   }
   probing.weights.emplace_back().fill(1.0f);
+  probing.surfaces.resize(tree.nodes.size());
   return probing;
 }
 
@@ -96,7 +97,8 @@ CutTile cut(const ClusterTree& tree, const Probing& probing, std::vector<const F
             const CutLimits& limits) {
   const std::vector<float> rays(rows.size(), 1e9f);
   const std::vector<float> areas(rows.size(), 0.0f);
-  return TileCutter({tree, probing}).cut({rows, rays, areas}, limits);
+  const std::vector<SurfacePoint> places(rows.size());
+  return TileCutter({tree, probing}).cut({rows, rays, areas, places}, limits);
 }
 
 const std::vector<float> kRamp{1, 2, 3, 4, 5, 6, 7, 8};
@@ -193,6 +195,28 @@ TEST(CoarsenImports, CannotGoAboveRoots) {
   EXPECT_EQ(coarser.count, 4u);
 }
 
+// Eight patches of 1 m2 side by side on the floor, all of one radiosity, seen from 1 m above the first: but a
+// light may come that shines on one of them.
+TEST(Cut, RefinesNearbyWhereASpotMightShineThoughAllLooksAlike) {
+  const ClusterTree tree = tree_of_eight();
+  Probing probing = shown(tree, std::vector<float>(8, 1.0f));
+  for (std::size_t n = 0; n < tree.nodes.size(); ++n) {
+    const TreeNodeRange& node = tree.nodes[n];
+    const float middle = float(node.first) + 0.5f * float(node.count - 1);
+    probing.surfaces[n] = {float(node.count), 8.0f, {middle, 0, 0}, {0, 1, 0}};
+  }
+  FormFactorRow row;
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    row.senders.push_back(i);
+    row.values.push_back(float(1.0 / (3.2 * (1.0 + i * i) * (1.0 + i * i))));
+  }
+  const CutTile tile =
+      TileCutter({tree, probing}).cut({{&row}, {1e9f}, {0.0f}, {{{0, 1, 0}, {0, -1, 0}}}}, {4, 0.0});
+  std::vector<std::uint32_t> counts;
+  for (const TreeNodeRange& node : ranges(tree, tile)) counts.push_back(node.count);
+  EXPECT_EQ(counts, (std::vector<std::uint32_t>{1, 1, 2, 4}));
+}
+
 // Rows of 2 m2 and 1 m2 that keep the root: 2 x 0.5 = 1 m2 from leaf 0, 2 x 0.25 + 0.5 = 1 m2 from leaf 1,
 // 0.25 from leaf 7.
 TEST(NodeFlux, IsWhatTheRowsReceiveFromEachLeafByWayOfTheNode) {
@@ -200,7 +224,7 @@ TEST(NodeFlux, IsWhatTheRowsReceiveFromEachLeafByWayOfTheNode) {
   const Probing probing = shown(tree, std::vector<float>(8, 1.0f));
   NodeFlux flux(tree, 3.0);
   const FormFactorRow large{{0, 1}, {0.5f, 0.25f}}, small{{1, 7}, {0.5f, 0.25f}};
-  TileCutter({tree, probing, &flux}).cut({{&large, &small}, {1e9f, 1e9f}, {2.0f, 1.0f}}, {1, 0.0});
+  TileCutter({tree, probing, &flux}).cut({{&large, &small}, {1e9f, 1e9f}, {2.0f, 1.0f}, {{}, {}}}, {1, 0.0});
   const std::vector<double> of_root = flux.of(tree.roots[0]);
   ASSERT_EQ(of_root.size(), 8u);
   for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(of_root[i], i < 2 ? 1.0 : i == 7 ? 0.25 : 0.0, 1e-15) << i;
@@ -214,7 +238,7 @@ TEST(NodeFlux, OfANodeThatNoRowKeepsIsThatOfTheNodesBelow) {
   const Probing probing = shown(tree, {1, 1, 1, 1, 5, 5, 5, 5});
   NodeFlux flux(tree, 1.0);
   const FormFactorRow row{{0, 5}, {0.5f, 0.25f}};
-  TileCutter({tree, probing, &flux}).cut({{&row}, {1e9f}, {1.0f}}, {2, 0.0});
+  TileCutter({tree, probing, &flux}).cut({{&row}, {1e9f}, {1.0f}, {{}}}, {2, 0.0});
   const std::vector<double> of_root = flux.of(tree.roots[0]);
   for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(of_root[i], i == 0 ? 0.5 : i == 5 ? 0.25 : 0.0, 1e-15) << i;
 }
@@ -233,8 +257,8 @@ TEST(CutRows, MakesTilesOfNeighboursWithTheRestInTheLast) {
   const std::vector<const FormFactorRow*> rows{&left, &left, &right};
   const CutLimits limits{100, 0.0};
   const Probing probing = shown(tree, kRamp);
-  const auto tiles =
-      cut_rows({tree, probing}, {rows, {1e9f, 1e9f, 1e9f}, {0.0f, 0.0f, 0.0f}}, {2, {&limits, 1}});
+  const auto tiles = cut_rows({tree, probing}, {rows, {1e9f, 1e9f, 1e9f}, {0.0f, 0.0f, 0.0f}, {{}, {}, {}}},
+                              {2, {&limits, 1}});
   ASSERT_EQ(tiles.size(), 2u);
   EXPECT_EQ(tiles[0].values.size(), 2u);
   EXPECT_EQ(tiles[1].values, (std::vector<std::vector<float>>{{0.5f}}));

@@ -39,6 +39,11 @@ Surfaces clustered(const Scene& scene, Geometry geometry, const RayCaster& caste
   return std::move(*surfaces);
 }
 
+struct SampledRows {
+  std::vector<FormFactorRow> rows;
+  std::vector<SurfacePoint> places;
+};
+
 /// Two rooms in clusters of 12 cm, surveyed.
 class CutQuality : public testing::Test {
  protected:
@@ -56,21 +61,23 @@ class CutQuality : public testing::Test {
   }
 
   /// Elements of every so many clusters, eight of each, side by side: tiles, one after the other.
-  std::vector<FormFactorRow> sample_rows() const {
+  SampledRows sample_rows() const {
     const SobolPoints points(kRays);
     RowTracer tracer(row_scene_);
-    std::vector<FormFactorRow> rows;
+    SampledRows sampled;
     for (const ClusteredSurface& system : surfaces_.systems) {
       const auto members = members_of_clusters(system);
       const std::vector<bool> none(system.surface.elements.size(), false);
       for (std::size_t c = 0; c < members.size(); c += 97) {
         if (members[c].size() < kTile) continue;
         const auto first = std::span(members[c]).first(kTile);
-        for (const Receiver& receiver : receivers_of(row_scene_, {surfaces_.charts, system, none}, first))
-          rows.push_back(tracer.trace(receiver, points, {0, kRays}).row);
+        for (const Receiver& receiver : receivers_of(row_scene_, {surfaces_.charts, system, none}, first)) {
+          sampled.rows.push_back(tracer.trace(receiver, points, {0, kRays}).row);
+          sampled.places.push_back(receiver.middle());
+        }
       }
     }
-    return rows;
+    return sampled;
   }
 
   /// Radiosity of each cluster after some bounces of `emitted`.
@@ -132,13 +139,14 @@ class CutQuality : public testing::Test {
     return bounced(light);
   }
 
-  std::vector<CutTile> cut(const std::vector<FormFactorRow>& rows, std::uint32_t tile_rows) const {
+  std::vector<CutTile> cut(const SampledRows& sampled, std::uint32_t tile_rows) const {
     const CutLimits limits{kBudget, 0.0};
     TileRows all;
-    for (const FormFactorRow& row : rows) {
+    for (const FormFactorRow& row : sampled.rows) {
       all.rows.push_back(&row);
       all.rays.push_back(float(kRays)), all.areas.push_back(0.0f);
     }
+    all.places = sampled.places;
     return cut_rows({survey_.senders.tree, survey_.probing}, all, {tile_rows, {&limits, 1}});
   }
 
@@ -173,8 +181,9 @@ struct Errors {
 };
 
 TEST_F(CutQuality, AgainstTheLargestAndAgainstOwnLists) {
-  const std::vector<FormFactorRow> rows = sample_rows();
-  const std::vector<CutTile> shared = cut(rows, kTile), own = cut(rows, 1);
+  const SampledRows sampled = sample_rows();
+  const std::vector<FormFactorRow>& rows = sampled.rows;
+  const std::vector<CutTile> shared = cut(sampled, kTile), own = cut(sampled, 1);
   for (const Values& light : {lit_by_bulb({1.0f, 1.7f, 2.2f}), lit_by_lamp()}) {
     double total = 0.0, count = 0.0;
     Errors errors;
