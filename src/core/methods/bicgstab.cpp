@@ -21,21 +21,23 @@ using Precondition = std::function<std::vector<Rgb>(const std::vector<Rgb>&)>;
 
 std::vector<Rgb> iterate(CertifiedSolve& solve, const Precondition& precondition, std::vector<Rgb> x) {
   std::vector<Rgb> r = difference(solve.bounce(x), x);
+  const Rgb size = largest_size(r);
+  r = divided(r, size);
   const std::vector<Rgb> shadow = r;
   std::vector<Rgb> p = r;
   Rgb rho = dot(shadow, r);
   StallWatch watch;
-  while (solve.products_left() > 2 && !solve.would_do(r) && !watch.stalls(dot(r, r))) {
+  while (solve.products_left() > 2 && !solve.would_do(scaled(size, r)) && !watch.stalls(dot(r, r))) {
     const std::vector<Rgb> step = precondition(p);
     const std::vector<Rgb> v = remainder(solve, step);
     const Rgb alpha = quotient_or_zero(rho, dot(shadow, v));
-    add_scaled(alpha, step, x);
+    add_scaled(alpha * size, step, x);
     add_scaled(-alpha, v, r);
-    if (solve.would_do(r)) break;
+    if (solve.would_do(scaled(size, r))) break;
     const std::vector<Rgb> second_step = precondition(r);
     const std::vector<Rgb> t = remainder(solve, second_step);
     const Rgb omega = quotient_or_zero(dot(t, r), dot(t, t));
-    add_scaled(omega, second_step, x);
+    add_scaled(omega * size, second_step, x);
     add_scaled(-omega, t, r);
     const Rgb next = dot(shadow, r);
     const Rgb beta = quotient_or_zero(next, rho) * quotient_or_zero(alpha, omega);

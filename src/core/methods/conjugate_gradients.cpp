@@ -51,14 +51,16 @@ std::vector<Rgb> iterate(CertifiedSolve& solve, const std::vector<Rgb>& roots, s
   const std::vector<Rgb> change = difference(solve.bounce(x), x);
   std::vector<Rgb> r(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) r[i] = quotient_or_zero(change[i], roots[i]);
+  const Rgb size = largest_size(r);
+  r = divided(r, size);
   std::vector<Rgb> p = r;
   Rgb rr = dot(r, r);
   StallWatch watch;
-  while (solve.products_left() > 1 && !solve.would_do(times(roots, r)) && !watch.stalls(rr)) {
+  while (solve.products_left() > 1 && !solve.would_do(scaled(size, times(roots, r))) && !watch.stalls(rr)) {
     std::vector<Rgb> product = solve.irradiance(times(roots, p));
     for (std::size_t i = 0; i < x.size(); ++i) product[i] = p[i] - areas[i] * roots[i] * product[i];
     const Rgb alpha = quotient_or_zero(rr, dot(p, product));
-    add_scaled(alpha, times(roots, p), x);
+    add_scaled(alpha * size, times(roots, p), x);
     add_scaled(-alpha, product, r);
     const Rgb next = dot(r, r);
     const Rgb beta = quotient_or_zero(next, rr);

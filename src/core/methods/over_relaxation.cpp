@@ -58,12 +58,6 @@ std::vector<Rgb> sweep(const BounceProblem& problem, const Rgb& omega, LiveSende
   return change;
 }
 
-Rgb largest_size(const std::vector<Rgb>& values) {
-  Rgb result(0.0);
-  for (const Rgb& value : values) result = glm::max(result, glm::abs(value));
-  return result;
-}
-
 }  // namespace
 
 Rgb over_relaxation(const BounceProblem& problem) {
@@ -77,7 +71,7 @@ Result<Solution> solve_by_over_relaxation(const BounceProblem& problem, const Rg
   LiveSenders senders(*problem.matrix);
   const auto iterate = [&](std::vector<Rgb> x) {
     StallWatch watch;
-    senders.set(*problem.matrix, x);
+    senders.set(*problem.matrix, solve.bounce(x));  // so that there is an answer to fall back on
     while (solve.products_left() > 1) {
       const std::vector<Rgb> change = sweep(problem, omega, senders);
       solve.count_product();

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <glm/common.hpp>
 #include <vector>
 
 #include "core/quantities.h"
@@ -29,6 +30,20 @@ inline std::vector<Rgb> difference(const std::vector<Rgb>& a, const std::vector<
   return result;
 }
 
+/// The largest size of each channel.
+inline Rgb largest_size(const std::vector<Rgb>& values) {
+  Rgb result(0.0);
+  for (const Rgb& value : values) result = glm::max(result, glm::abs(value));
+  return result;
+}
+
+/// x times factor
+inline std::vector<Rgb> scaled(const Rgb& factor, const std::vector<Rgb>& x) {
+  std::vector<Rgb> result = x;
+  for (Rgb& value : result) value *= factor;
+  return result;
+}
+
 /// What is below zero becomes zero.
 inline void clamp_at_zero(std::vector<Rgb>& x) {
   for (Rgb& value : x) {
@@ -46,6 +61,13 @@ inline Rgb quotient_or_zero(const Rgb& numerator, const Rgb& denominator) {
     const double quotient = numerator[channel] / denominator[channel];
     if (std::isfinite(quotient)) result[channel] = quotient;
   }
+  return result;
+}
+
+/// x over factor, zero where that is not finite: what is squared afterwards neither overflows nor vanishes.
+inline std::vector<Rgb> divided(const std::vector<Rgb>& x, const Rgb& factor) {
+  std::vector<Rgb> result = x;
+  for (Rgb& value : result) value = quotient_or_zero(value, factor);
   return result;
 }
 
