@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <iostream>
+#include <set>
 
 #include "core/methods/certified_solve.h"
 #include "stability/lab.h"
@@ -38,7 +39,7 @@ TEST_P(EveryMethod, TheDefaultReachesTheTolerance) {
   if (c.exact.empty()) return;
   const auto problem = make_bounce_problem(c.matrix, c.lighting, c.areas);
   ASSERT_TRUE(problem) << problem.error().message;
-  const MethodChoice choice = choose_method(*problem, c.rooms, kLabRule);
+  const MethodChoice choice = choose_method(*problem, kLabRule);
   EXPECT_FALSE(choice.reason.empty());
   const Outcome outcome = run_method(c, choice.method);
   EXPECT_TRUE(outcome.kind == OutcomeKind::right || outcome.kind == OutcomeKind::fell_back)
@@ -131,6 +132,55 @@ TEST(ConjugateGradients, AreRefusedByRowsOfRays) {
     EXPECT_EQ(outcome.kind, OutcomeKind::refused);
     EXPECT_NE(outcome.sentence.find("symmetric"), std::string::npos) << outcome.sentence;
   }
+}
+
+TEST(TwoLevels, NeedFewProductsAtAnyAlbedo) {
+  // Plain bounces take ln 1e-3 / ln 0.99 = 687 at 0.99, and 135 at 0.95 (performance of the law of geometric
+  // series).
+  for (const std::uint32_t rooms : {1u, 2u, 8u}) {
+    for (const double albedo : {0.5, 0.8, 0.95, 0.99}) {
+      const Case c = box_case("rooms", rooms, 1.0, albedo);
+      const auto problem = make_bounce_problem(c.matrix, c.lighting, c.areas);
+      ASSERT_TRUE(problem);
+      EXPECT_EQ(c.rooms.count, rooms);
+      for (const Method method : {Method::two_level, Method::two_level_bicgstab}) {
+        const auto solution = solve_by(method, *problem, c.rooms, {12, 0.0});
+        ASSERT_TRUE(solution);
+        double error = 0.0, light = 0.0;
+        for (std::size_t i = 0; i < c.areas.size(); ++i) {
+          EXPECT_GE(solution->radiosity[i].x, 0.0);
+          error += c.areas[i] * std::pow(solution->radiosity[i].x - c.exact[i], 2.0);
+          light += c.areas[i] * std::pow(c.exact[i] - problem->source[i].x, 2.0);
+        }
+        EXPECT_LE(std::sqrt(error / light), 1e-3) << rooms << " rooms, " << albedo;
+      }
+    }
+  }
+}
+
+TEST(Bracket, SaysWhenItIsUndecided) {
+  // 1 feeds 2 and each feeds itself: lambda = 0.9999, but the rows of a Jordan block stay above it as 1 / k
+  // after k products.
+  CsrMatrix matrix;
+  matrix.rows = matrix.columns = 2;
+  matrix.row_offsets = {0, 2, 3};
+  matrix.column_indices = {0, 1, 1};
+  matrix.values = {1.0, 1.0, 1.0};
+  Lighting lighting;
+  lighting.albedo.assign(2, Rgb(0.9999));
+  lighting.exitance.assign(2, Rgb(1.0));
+  lighting.direct.assign(2, Rgb(0.0));
+  const SenderMatrix rows(matrix);
+  const auto problem = make_bounce_problem(rows, lighting, {1.0, 1.0});
+  ASSERT_FALSE(problem);
+  EXPECT_NE(problem.error().message.find("may not converge: in channel 0, after 256 products"),
+            std::string::npos)
+      << problem.error().message;
+}
+
+TEST(Method, NamesAreUnique) {
+  std::set<std::string> names(method_names().begin(), method_names().end());
+  EXPECT_EQ(names.size(), std::size_t(Method::two_level_bicgstab) + 1);
 }
 
 /// The largest number of so many bits of mantissa that is not larger.

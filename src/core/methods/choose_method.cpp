@@ -9,8 +9,11 @@
 namespace relume {
 namespace {
 
-/// What the second level needs as a rule; below this, plain bounces are as fast.
+/// As many products as BiCGSTAB needs at least; below this, plain bounces are as fast.
 constexpr double kFewBounces = 12.0;
+/// Finding rooms costs about as much as 100 products. BiCGSTAB alone needs about a quarter of the bounces in
+/// furnished scenes.
+constexpr double kManyBounces = 400.0;
 
 double mean_row_sum(const BounceProblem& problem) {
   const CsrMatrix& rows = problem.matrix->rows;
@@ -28,23 +31,13 @@ double mean_row_sum(const BounceProblem& problem) {
   return area > 0.0 ? sum / area : 0.0;
 }
 
-ScenePrediction predict(const BounceProblem& problem, const Rooms& rooms, const StopRule& rule) {
+ScenePrediction predict(const BounceProblem& problem, double tolerance) {
   ScenePrediction scene;
   scene.spectral_radius = problem.contraction.quotient;
   scene.closure = mean_row_sum(problem);
   const Rgb& q = scene.spectral_radius;
   const double slowest = std::max({q.x, q.y, q.z});
-  scene.bounces = slowest <= 0.0 ? 1.0 : double(rule.max_bounces);
-  if (slowest > 0.0 && rule.tolerance > 0.0)
-    scene.bounces =
-        std::min(scene.bounces, std::ceil(std::log(std::min(rule.tolerance, 1.0)) / std::log(slowest)));
-  scene.rooms = rooms.count;
-  double inside = 0.0, area = 0.0;
-  for (std::size_t i = 0; i < problem.size(); ++i) {
-    area += problem.areas[i];
-    if (rooms.of_cluster[i] != kNone) inside += problem.areas[i];
-  }
-  scene.share_in_rooms = area > 0.0 ? inside / area : 0.0;
+  scene.bounces = slowest <= 0.0 ? 1.0 : std::ceil(std::log(std::min(tolerance, 0.5)) / std::log(slowest));
   if (problem.matrix->nodes.rows == 0)
     scene.symmetry_defect = symmetry_defect(problem.matrix->rows, problem.areas);
   return scene;
@@ -52,28 +45,24 @@ ScenePrediction predict(const BounceProblem& problem, const Rooms& rooms, const 
 
 }  // namespace
 
-MethodChoice choose_method(const BounceProblem& problem, const Rooms& rooms, const StopRule& rule) {
-  MethodChoice choice{Method::bounces, {}, predict(problem, rooms, rule)};
-  if (rule.tolerance <= 0.0) {
-    choice.reason = "a number of bounces was asked for";
-    return choice;
-  }
-  const ScenePrediction& scene = choice.scene;
-  const double slowest =
-      std::max({scene.spectral_radius.x, scene.spectral_radius.y, scene.spectral_radius.z});
+MethodChoice choose_method(const BounceProblem& problem, const StopRule& rule) {
+  if (rule.tolerance <= 0.0) return {Method::bounces, "a number of bounces was asked for", {}};
+  MethodChoice choice{Method::bounces, {}, predict(problem, rule.tolerance)};
+  const ScenePrediction& scene = *choice.scene;
+  const Rgb& q = scene.spectral_radius;
+  const std::string radius = fmt::format("the spectral radius is up to {:.4g}", std::max({q.x, q.y, q.z}));
   if (scene.bounces <= kFewBounces) {
-    choice.reason =
-        fmt::format("the spectral radius is at most {:.3g}: {:.0f} bounces do", slowest, scene.bounces);
+    choice.reason = fmt::format("{}: {:.0f} bounces do", radius, scene.bounces);
     return choice;
   }
-  choice.method = scene.rooms > 0 ? Method::two_level_bicgstab : Method::bicgstab;
+  choice.method = scene.bounces <= kManyBounces ? Method::bicgstab : Method::two_level_bicgstab;
+  const std::string symmetry =
+      scene.symmetry_defect
+          ? fmt::format("the matrix differs from symmetry by {:.2g}", *scene.symmetry_defect)
+          : "the matrix has tree nodes";
   choice.reason = fmt::format(
-      "the spectral radius is up to {:.3g}, so bounces would take {:.0f}; the matrix {}; {} rooms hold "
-      "{:.0f} % of the area",
-      slowest, scene.bounces,
-      scene.symmetry_defect ? fmt::format("has a symmetry defect of {:.2g}", *scene.symmetry_defect)
-                            : "has nodes",
-      scene.rooms, 100.0 * scene.share_in_rooms);
+      "{}, so bounces could take {:.0f}; {}, so conjugate gradients are {}", radius, scene.bounces, symmetry,
+      scene.symmetry_defect.value_or(2.0) <= kMaxSymmetryDefect ? "not needed" : "not safe");
   return choice;
 }
 

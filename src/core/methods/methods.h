@@ -114,18 +114,17 @@ struct ScenePrediction {
   Rgb spectral_radius{0.0};               ///< upper end of its bracket, per channel
   double closure = 0.0;                   ///< mean row sum by area, of what feeds back
   double bounces = 0.0;                   ///< plain bounces to the tolerance: ln tolerance / ln q
-  std::uint32_t rooms = 0;                ///< that the correction knows
-  double share_in_rooms = 0.0;            ///< of the area
   std::optional<double> symmetry_defect;  ///< absent with nodes
 };
 
-/// The fastest method that is safe for the scene, and one sentence that says why.
+/// The fastest method that is safe for one solve of the scene, what it costs to find rooms included, and why,
+/// in words. Whoever keeps the rooms for many solves does best with two levels throughout.
 struct MethodChoice {
   Method method = Method::bounces;
   std::string reason;
-  ScenePrediction scene;
+  std::optional<ScenePrediction> scene;  ///< absent where it was not looked at
 };
 
-MethodChoice choose_method(const BounceProblem& problem, const Rooms& rooms, const StopRule& rule);
+MethodChoice choose_method(const BounceProblem& problem, const StopRule& rule);
 
 }  // namespace relume
