@@ -5,37 +5,15 @@
 #include <limits>
 
 #include "core/reference_solver.h"
+#include "core/sender_product.h"
 
 namespace relume {
 namespace {
 
-constexpr int kMaxProducts = 16;
-
-Rgb row_product(const CsrMatrix& matrix, std::uint32_t row, const std::vector<Rgb>& v) {
-  Rgb sum(0.0);
-  for (std::uint64_t entry = matrix.row_offsets[row]; entry < matrix.row_offsets[row + 1]; ++entry)
-    sum += matrix.values[entry] * v[matrix.column_indices[entry]];
-  return sum;
-}
-
-/// rho K_c P v: sky patches, and with them the nodes of the sky, do not feed back.
-std::vector<Rgb> multiply(const SenderMatrix& matrix, const std::vector<Rgb>& albedo,
-                          const std::vector<Rgb>& v) {
-  std::vector<Rgb> b = v;
-  b.resize(matrix.rows.columns - matrix.nodes.rows, Rgb(0.0));
-  for (std::uint32_t node = 0; node < matrix.nodes.rows; ++node)
-    b.push_back(row_product(matrix.nodes, node, b));
-  std::vector<Rgb> product(matrix.rows.rows);
-  for (std::uint32_t row = 0; row < product.size(); ++row)
-    product[row] = albedo[row] * row_product(matrix.rows, row, b);
-  return product;
-}
-
-Rgb largest(const std::vector<Rgb>& values) {
-  Rgb result(0.0);
-  for (const Rgb& value : values) result = glm::max(result, value);
-  return result;
-}
+/// Products that make the upper end sharp.
+constexpr std::uint32_t kMaxProducts = 16;
+/// Products that find out whether it is below 1 at all.
+constexpr std::uint32_t kMaxUndecidedProducts = 256;
 
 /// max_i (rho K_c P v)_i / v_i per channel.
 Rgb upper_quotient(const std::vector<Rgb>& product, const std::vector<Rgb>& v) {
@@ -101,17 +79,27 @@ Result<Rgb> lower_quotient(const ClusterProduct& multiply, const std::vector<Rgb
   return result;
 }
 
-std::uint64_t longest_row(const CsrMatrix& matrix) {
-  std::uint64_t longest = 0;
-  for (std::uint32_t row = 0; row < matrix.rows; ++row)
-    longest = std::max(longest, matrix.row_offsets[row + 1] - matrix.row_offsets[row]);
-  return longest;
-}
-
 /// How much the sums of positive terms in a product can be rounded, relatively.
 double rounding_of(const SenderMatrix& matrix) {
   return static_cast<double>(longest_row(matrix.rows) + longest_row(matrix.nodes) + 4) *
          std::numeric_limits<double>::epsilon();
+}
+
+/// The best of several lower ends: any part of the surfaces gives one; the slowest mode may live on all of
+/// them or in one gap.
+Result<Rgb> best_lower_quotient(const ClusterProduct& multiply, const std::vector<Rgb>& albedo,
+                                const std::vector<Rgb>& weights, double rounding) {
+  Rgb best(0.0);
+  for (const double threshold : {0.0, 0.1, 0.5}) {
+    const auto lower = lower_quotient(multiply, albedo, weights, threshold);
+    if (!lower) return lower;
+    best = glm::max(best, *lower * (1.0 - rounding));
+  }
+  return best;
+}
+
+bool below_one(const Rgb& quotient) {
+  return glm::all(glm::lessThan(quotient, Rgb(1.0)));
 }
 
 bool settled(const Rgb& quotient, const Rgb& previous) {
@@ -129,31 +117,37 @@ Result<ContractionBound> contraction_bound(const ClusterProduct& multiply, const
   bound.quotient = upper_quotient(*product, bound.weights);
   Rgb previous = bound.quotient;
   std::vector<Rgb> v = bound.weights;
-  for (int k = 1; k < kMaxProducts; ++k) {
+  for (std::uint32_t k = 1; k < kMaxUndecidedProducts; ++k) {
+    if (k >= kMaxProducts && below_one(bound.quotient)) break;
+    if (k % kMaxProducts == 0) {
+      const auto lower = best_lower_quotient(multiply, albedo, bound.weights, rounding);
+      if (!lower) return tl::unexpected(lower.error());
+      if (!below_one(*lower)) break;
+    }
     v = next_weights(*product, v, bound.quotient);
     product = multiply(v);
     if (!product) return tl::unexpected(product.error());
     const Rgb quotient = upper_quotient(*product, v);
     keep_better(v, quotient, bound);
-    if (k > 3 && settled(quotient, previous)) break;
+    bound.products = k + 1;
+    if (k > 3 && below_one(bound.quotient) && settled(quotient, previous)) break;
     previous = quotient;
   }
   bound.quotient *= 1.0 + rounding;
-  // Any part of the surfaces gives a lower end; the slowest mode may live on all of them or in one gap.
-  for (const double threshold : {0.0, 0.1, 0.5}) {
-    const auto lower = lower_quotient(multiply, albedo, bound.weights, threshold);
-    if (!lower) return tl::unexpected(lower.error());
-    bound.lower_quotient = glm::max(bound.lower_quotient, *lower * (1.0 - rounding));
-  }
+  const auto lower = best_lower_quotient(multiply, albedo, bound.weights, rounding);
+  if (!lower) return tl::unexpected(lower.error());
+  bound.lower_quotient = *lower;
   return bound;
 }
 
 ContractionBound contraction_bound(const SenderMatrix& bounce_matrix, const std::vector<Rgb>& albedo) {
-  const ClusterProduct product = [&](const std::vector<Rgb>& v) -> Result<std::vector<Rgb>> {
-    return multiply(bounce_matrix, albedo, v);
+  const ClusterProduct reflect = [&](const std::vector<Rgb>& v) -> Result<std::vector<Rgb>> {
+    std::vector<Rgb> product = cluster_product(bounce_matrix, v);
+    for (std::size_t i = 0; i < product.size(); ++i) product[i] *= albedo[i];
+    return product;
   };
   // These products cannot fail.
-  return *contraction_bound(product, albedo, rounding_of(bounce_matrix));
+  return *contraction_bound(reflect, albedo, rounding_of(bounce_matrix));
 }
 
 }  // namespace relume

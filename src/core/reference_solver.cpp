@@ -4,12 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <glm/common.hpp>
-#include <glm/vector_relational.hpp>
-#include <limits>
 #include <utility>
 
+#include "core/certificate.h"
 #include "core/sender_leaves.h"
+#include "core/sender_product.h"
 
 namespace relume {
 namespace {
@@ -109,14 +108,6 @@ CsrMatrix node_matrix(const Model& model, const LeafNumbers& numbers) {
   return nodes;
 }
 
-Rgb row_product(const CsrMatrix& matrix, std::uint32_t row, const std::vector<Rgb>& b) {
-  Rgb sum(0.0);
-  for (std::uint64_t entry = matrix.row_offsets[row]; entry < matrix.row_offsets[row + 1]; ++entry) {
-    sum += matrix.values[entry] * b[matrix.column_indices[entry]];
-  }
-  return sum;
-}
-
 /// Radiosity of all senders.
 std::vector<Rgb> senders(const CsrMatrix& nodes, const Lighting& lighting,
                          const std::vector<Rgb>& radiosity) {
@@ -124,81 +115,6 @@ std::vector<Rgb> senders(const CsrMatrix& nodes, const Lighting& lighting,
   all.insert(all.end(), lighting.sky_radiosity.begin(), lighting.sky_radiosity.end());
   for (std::uint32_t node = 0; node < nodes.rows; ++node) all.push_back(row_product(nodes, node, all));
   return all;
-}
-
-std::uint64_t longest_row(const CsrMatrix& matrix) {
-  std::uint64_t longest = 0;
-  for (std::uint32_t row = 0; row < matrix.rows; ++row)
-    longest = std::max(longest, matrix.row_offsets[row + 1] - matrix.row_offsets[row]);
-  return longest;
-}
-
-Rgb largest(const std::vector<Rgb>& values) {
-  Rgb result(0.0);
-  for (const Rgb& value : values) result = glm::max(result, value);
-  return result;
-}
-
-double largest_channel(const Rgb& value) {
-  return std::max({value.x, value.y, value.z});
-}
-
-/// numerator / denominator per channel, the worst of them; a channel without light has no error.
-double worst_ratio(const Rgb& numerator, const Rgb& denominator) {
-  double worst = 0.0;
-  for (int channel = 0; channel < 3; ++channel) {
-    if (numerator[channel] > 0.0) worst = std::max(worst, numerator[channel] / denominator[channel]);
-  }
-  return worst;
-}
-
-/// What one bounce changed, per channel.
-struct Change {
-  Rgb largest{0.0};
-  Rgb weighted{0.0};  ///< max |r_j| / v_j
-  Rgb rounding{0.0};  ///< the same of what the bounce may have rounded: a row of n positive terms, nodes of
-                      ///< at most m leaves, by less than (n + m + 4) ulp of its sum
-};
-
-Change measure(const SenderMatrix& senders, const ContractionBound& contraction,
-               const std::vector<Rgb>& before, const std::vector<Rgb>& after) {
-  Change change;
-  const CsrMatrix& matrix = senders.rows;
-  const auto beside_row = static_cast<double>(longest_row(senders.nodes)) + 4.0;
-  for (std::uint32_t row = 0; row < matrix.rows; ++row) {
-    const Rgb difference = glm::abs(after[row] - before[row]);
-    const auto terms =
-        static_cast<double>(matrix.row_offsets[row + 1] - matrix.row_offsets[row]) + beside_row;
-    const Rgb ulps = terms * std::numeric_limits<double>::epsilon() * after[row];
-    change.largest = glm::max(change.largest, difference);
-    change.weighted = glm::max(change.weighted, difference / contraction.weights[row]);
-    change.rounding = glm::max(change.rounding, ulps / contraction.weights[row]);
-  }
-  return change;
-}
-
-/// Residual and error bound of solution.radiosity: all further bounces add up to a geometric series whose
-/// first term is at most `first` times the change (q for what came after that bounce, 1 for what was before
-/// it), and each rounds.
-void rate(const Change& change, const Rgb& first, const Rgb& quotient, Solution& solution) {
-  const Rgb top = largest(solution.radiosity);
-  solution.relative_residual = worst_ratio(Rgb(largest_channel(change.largest)), Rgb(largest_channel(top)));
-  solution.error_bound = worst_ratio((first * change.weighted + change.rounding) / (1.0 - quotient), top);
-}
-
-Result<void> check_shapes(const SenderMatrix& matrix, const Lighting& lighting) {
-  const std::size_t clusters = matrix.rows.rows;
-  const std::size_t leaves = matrix.rows.columns - matrix.nodes.rows;
-  const bool fits = lighting.albedo.size() == clusters && lighting.exitance.size() == clusters &&
-                    lighting.direct.size() == clusters && clusters + lighting.sky_radiosity.size() == leaves;
-  if (fits) return {};
-  return fail(
-      ErrorCode::check_failed,
-      fmt::format(
-          "lighting: expected {} clusters and {} sky patches, found {} albedos, {} exitances, {} direct "
-          "irradiances and {} sky patches",
-          clusters, leaves - clusters, lighting.albedo.size(), lighting.exitance.size(),
-          lighting.direct.size(), lighting.sky_radiosity.size()));
 }
 
 }  // namespace
@@ -230,15 +146,37 @@ std::vector<Rgb> bounce(const SenderMatrix& bounce_matrix, const Lighting& light
   return result;
 }
 
+Result<void> check_shapes(const SenderMatrix& matrix, const Lighting& lighting) {
+  const std::size_t clusters = matrix.rows.rows;
+  const std::size_t leaves = matrix.rows.columns - matrix.nodes.rows;
+  const bool fits = lighting.albedo.size() == clusters && lighting.exitance.size() == clusters &&
+                    lighting.direct.size() == clusters && clusters + lighting.sky_radiosity.size() == leaves;
+  if (fits) return {};
+  return fail(
+      ErrorCode::check_failed,
+      fmt::format(
+          "lighting: expected {} clusters and {} sky patches, found {} albedos, {} exitances, {} direct "
+          "irradiances and {} sky patches",
+          clusters, leaves - clusters, lighting.albedo.size(), lighting.exitance.size(),
+          lighting.direct.size(), lighting.sky_radiosity.size()));
+}
+
 Result<void> check_contraction(const ContractionBound& contraction) {
   for (int channel = 0; channel < 3; ++channel) {
     if (contraction.quotient[channel] < 1.0) continue;
-    return fail(
-        ErrorCode::check_failed,
-        fmt::format(
-            "the bounces may not converge: in channel {} the spectral radius of albedo x form factors lies "
-            "between {:.6g} and {:.6g}, expected below 1",
-            channel, contraction.lower_quotient[channel], contraction.quotient[channel]));
+    const std::string where = fmt::format(
+        "the spectral radius of albedo x form factors lies between {:.6g} and {:.6g}, expected below 1",
+        contraction.lower_quotient[channel], contraction.quotient[channel]);
+    if (contraction.lower_quotient[channel] >= 1.0) {
+      return fail(
+          ErrorCode::check_failed,
+          fmt::format("the bounces do not converge: in channel {} light grows by a factor of {:.6g} or more "
+                      "at each bounce ({})",
+                      channel, contraction.lower_quotient[channel], where));
+    }
+    return fail(ErrorCode::check_failed,
+                fmt::format("the bounces may not converge: in channel {}, after {} products, {}", channel,
+                            contraction.products, where));
   }
   return {};
 }
@@ -256,14 +194,15 @@ Result<Solution> solve_reference(const SenderMatrix& bounce_matrix, const Lighti
   const Rgb& q = contraction.quotient;
   if (rule.max_bounces == 0) {
     const std::vector<Rgb> next = bounce(bounce_matrix, lighting, solution.radiosity);
-    rate(measure(bounce_matrix, contraction, solution.radiosity, next), Rgb(1.0), q, solution);
+    rate_solution(measure_change(bounce_matrix, contraction, solution.radiosity, next), Rgb(1.0), q,
+                  solution);
     return solution;
   }
   while (solution.bounces < rule.max_bounces) {
     std::vector<Rgb> next = bounce(bounce_matrix, lighting, solution.radiosity);
-    const Change change = measure(bounce_matrix, contraction, solution.radiosity, next);
+    const Change change = measure_change(bounce_matrix, contraction, solution.radiosity, next);
     solution.radiosity = std::move(next);
-    rate(change, q, q, solution);
+    rate_solution(change, q, q, solution);
     ++solution.bounces;
     if (observer && !observer(solution.bounces, solution.error_bound)) {
       return fail(ErrorCode::cancelled, fmt::format("cancelled after {} bounces", solution.bounces));

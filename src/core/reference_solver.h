@@ -44,8 +44,12 @@ using ClusterProduct = std::function<Result<std::vector<Rgb>>(const std::vector<
 /// The same from products that are off by at most the share `rounding` in each entry. Fails as a product does.
 Result<ContractionBound> contraction_bound(const ClusterProduct& multiply, const std::vector<Rgb>& albedo, double rounding);
 
-/// Refuses (check_failed, with the bracket of the spectral radius) when q >= 1 in any channel.
+/// Refuses (check_failed) when q >= 1 in any channel: with the rate at which light would grow where the lower end of the bracket of
+/// the spectral radius is 1 or more; else it is undecided, and the sentence says after how many products.
 Result<void> check_contraction(const ContractionBound& contraction);
+
+/// The lengths of the lighting's arrays fit the matrix.
+Result<void> check_shapes(const SenderMatrix& bounce_matrix, const Lighting& lighting);
 
 /// Called after each bounce; return false to cancel.
 using BounceObserver = std::function<bool(std::uint32_t bounces, double error_bound)>;

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/model.h"
@@ -41,9 +42,10 @@ struct StopRule {
 
 struct Solution {
   std::vector<Rgb> radiosity;      ///< B per cluster
-  std::uint32_t bounces = 0;
+  std::uint32_t bounces = 0;       ///< applications of K, whatever the method
   double relative_residual = 0.0;  ///< max |r| / max |B|, r: the change that the last bounce made (the next, after 0 bounces)
   double error_bound = 0.0;        ///< bound on max |B - B_exact| / max |B|, rounding included, the worst channel; see ContractionBound
+  std::string fallback;  ///< empty, or a sentence: why the method that was asked for gave way to plain bounces
 };
 
 /// The sharp bound on what remains after any number of bounces. With weights v > 0 and q = max_i (rho K_c P v)_i / v_i < 1, per channel,
@@ -53,6 +55,7 @@ struct ContractionBound {
   std::vector<Rgb> weights;  ///< v per cluster, max 1
   Rgb quotient{0.0};         ///< q per channel: upper end of the bracket of the spectral radius
   Rgb lower_quotient{0.0};   ///< min_i over clusters that reflect: lower end
+  std::uint32_t products = 1;  ///< that the upper end took
 };
 
 }  // namespace relume

@@ -245,10 +245,17 @@ class Parser {
                "The most that a surface of a system not loaded has (default: the most of those loaded)");
     add_lighting(command, solve_.lighting);
     add_solver(command, solve_.solver, true);
+    std::vector<std::string> methods{"auto"};
+    methods.insert(methods.end(), method_names().begin(), method_names().end());
+    solve_.solver.method.reset();
     add_choice(
-        command, "--method", {"bounces"}, [](std::size_t) {}, "Default: bounces");
+        command, "--method", methods,
+        [this](std::size_t k) {
+          solve_.solver.method = k == 0 ? std::nullopt : std::optional(static_cast<Method>(k - 1));
+        },
+        "How the reference solves (default auto: the fastest that is safe for the scene)");
     CLI::Option* bounces =
-        add_number(command, "--bounces", bounces_, kCountOrZero, "Exactly this many bounces");
+        add_number(command, "--bounces", bounces_, kCountOrZero, "Exactly this many bounces, or products of another --method");
     CLI::Option* tolerance = add_number(command, "--tolerance", solve_.rule.tolerance, kShare,
                                         "Stop at this bound on the relative error (default 1e-5)");
     bounces->excludes(tolerance);

@@ -14,7 +14,11 @@ namespace {
 void say_result(const SolveArguments& arguments, const SolveOutcome& outcome, const OutputFolder& folder,
                 double seconds, Console& console) {
   const Solution& solution = outcome.solution;
-  console.say(fmt::format("{} bounces on {} in {:.2f} s in all", solution.bounces, outcome.device, seconds));
+  const std::string& method = method_names()[std::size_t(outcome.method)];
+  console.say(fmt::format("{} {} on {} in {:.2f} s in all", solution.bounces,
+                          outcome.method == Method::bounces ? "bounces" : "products by " + method,
+                          outcome.device, seconds));
+  console.say(fmt::format("  method {}: {}", method, outcome.method_reason));
   console.say(fmt::format(
       "  residual {:.2g}, error bound {:.2g} (rounding {:.2g}), relative to the largest radiosity",
       solution.relative_residual, solution.error_bound, outcome.rounding_bound));
@@ -22,11 +26,23 @@ void say_result(const SolveArguments& arguments, const SolveOutcome& outcome, co
   for (const std::filesystem::path& path : folder.paths()) console.say("    " + path.string());
 }
 
+JsonValue scene_json(const std::optional<ScenePrediction>& scene) {
+  if (!scene) return {};
+  return JsonObject{
+      {"spectral_radius", scene->spectral_radius},
+      {"closure", scene->closure},
+      {"symmetry_defect", scene->symmetry_defect ? JsonValue(*scene->symmetry_defect) : JsonValue()},
+      {"bounces_needed", scene->bounces}};
+}
+
 JsonObject result_json(const LightingSetup& setup, const SolveOutcome& outcome, JsonObject seconds,
                        const std::optional<MissingSystems>& missing, const OutputFolder& folder) {
   const Solution& solution = outcome.solution;
   return {{"device", outcome.device},
-          {"method", "bounces"},
+          {"method", method_names()[std::size_t(outcome.method)]},
+          {"method_reason", outcome.method_reason},
+          {"method_fallback", solution.fallback.empty() ? JsonValue() : JsonValue(solution.fallback)},
+          {"scene", scene_json(outcome.scene)},
           {"kernel", outcome.kernel.empty() ? JsonValue() : JsonValue(outcome.kernel)},
           {"bounces", solution.bounces},
           {"relative_residual", solution.relative_residual},

@@ -7,6 +7,7 @@
 
 #include "compute/standalone/solve_on_device.h"
 #include "compute/standalone/standalone_device.h"
+#include "core/methods/room_correction.h"
 #include "core/reference_solver.h"
 #include "tool/interrupt.h"
 #include "tool/stopwatch.h"
@@ -26,15 +27,41 @@ BounceObserver show_progress(const StopRule& rule, Console& console) {
   };
 }
 
+/// Sets method and reason of `outcome`.
+Result<Solution> solve_by_choice(const Model& model, const SenderMatrix& bounce_matrix,
+                                 const Lighting& lighting, const StopRule& rule,
+                                 const std::optional<Method>& method, const BounceObserver& observer,
+                                 SolveOutcome& outcome) {
+  const bool plain = method == Method::bounces || (!method && rule.tolerance <= 0.0);
+  outcome.method = method.value_or(Method::bounces);
+  outcome.method_reason = method ? "asked for" : "a number of bounces was asked for";
+  // All methods but bounces begin with a product.
+  if (plain || rule.max_bounces == 0) return solve_reference(bounce_matrix, lighting, rule, observer);
+  const auto problem = make_bounce_problem(bounce_matrix, lighting, cluster_areas(model));
+  if (!problem) return tl::unexpected(problem.error());
+  if (!method) {
+    MethodChoice choice = choose_method(*problem, rule);
+    outcome.method = choice.method;
+    outcome.method_reason = std::move(choice.reason);
+    outcome.scene = choice.scene;
+  }
+  const bool needs_rooms =
+      outcome.method == Method::two_level || outcome.method == Method::two_level_bicgstab;
+  const Rooms rooms = needs_rooms ? correction_rooms(model, bounce_matrix) : Rooms{};
+  return solve_by(outcome.method, *problem, rooms, rule, observer);
+}
+
 Result<SolveOutcome> solve_by_reference(const Model& model, const Lighting& lighting, const StopRule& rule,
-                                        Console& console) {
+                                        const SolverChoice& choice, Console& console) {
   Stopwatch watch;
   const ReferenceMatrices matrices = reference_matrices(model);
   const double decode = watch.lap();
-  Result<Solution> solution = solve_reference(matrices.bounce, lighting, rule, show_progress(rule, console));
-  if (!solution) return tl::unexpected(solution.error());
-  const double bounces = watch.lap();
   SolveOutcome outcome;
+  Result<Solution> solution = solve_by_choice(model, matrices.bounce, lighting, rule, choice.method,
+                                              show_progress(rule, console), outcome);
+  if (!solution) return tl::unexpected(solution.error());
+  if (!solution->fallback.empty()) console.warn(solution->fallback + ".");
+  const double bounces = watch.lap();
   outcome.gathered = gather(matrices.gather, lighting, solution->radiosity);
   outcome.solution = std::move(*solution);
   outcome.device = "reference";
@@ -56,6 +83,11 @@ JsonObject seconds_json(const DeviceSeconds& seconds, double device) {
 
 Result<SolveOutcome> solve_by_vulkan(const Model& model, const Lighting& lighting, const StopRule& rule,
                                      const SolverChoice& choice, Console& console) {
+  if (choice.method.value_or(Method::bounces) != Method::bounces) {
+    return fail(ErrorCode::usage,
+                fmt::format("--method {} runs on --device reference only; a Vulkan device does bounces",
+                            method_names()[std::size_t(*choice.method)]));
+  }
   Stopwatch watch;
   Result<StandaloneDevice> device = StandaloneDevice::create({.device_name = choice.device_name});
   if (!device) return tl::unexpected(device.error());
@@ -71,6 +103,7 @@ Result<SolveOutcome> solve_by_vulkan(const Model& model, const Lighting& lightin
         rule.tolerance, solved->solution.error_bound));
   }
   SolveOutcome outcome;
+  outcome.method_reason = choice.method ? "asked for" : "the one that Vulkan devices do";
   outcome.solution = std::move(solved->solution);
   outcome.rounding_bound = solved->rounding_bound;
   outcome.gathered = std::move(solved->irradiance);
@@ -90,7 +123,7 @@ const std::vector<std::string>& kernel_names() {
 
 Result<SolveOutcome> solve(const Model& model, const Lighting& lighting, const StopRule& rule,
                            const SolverChoice& choice, Console& console) {
-  Result<SolveOutcome> outcome = choice.reference ? solve_by_reference(model, lighting, rule, console)
+  Result<SolveOutcome> outcome = choice.reference ? solve_by_reference(model, lighting, rule, choice, console)
                                                   : solve_by_vulkan(model, lighting, rule, choice, console);
   console.end_progress();
   return outcome;

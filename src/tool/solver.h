@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/methods/methods.h"
 #include "core/model.h"
 #include "core/solve.h"
 #include "tool/console.h"
@@ -14,16 +15,20 @@
 namespace relume {
 
 struct SolverChoice {
-  bool reference = false;   ///< else Vulkan
-  std::string device_name;  ///< part of the name of the Vulkan device, empty: any
-  std::string kernel;       ///< empty: the solver's own choice
+  bool reference = false;                          ///< else Vulkan
+  std::string device_name;                         ///< part of the name of the Vulkan device, empty: any
+  std::string kernel;                              ///< empty: the solver's own choice
+  std::optional<Method> method = Method::bounces;  ///< nothing: the fastest that is safe for the scene
 };
 
 struct SolveOutcome {
   Solution solution;
-  std::vector<Rgb> gathered;    ///< irradiance through form factors per gather row, lux
-  std::string device;           ///< "reference" or the name of the Vulkan device
-  std::string kernel;           ///< empty for the reference
+  std::vector<Rgb> gathered;  ///< irradiance through form factors per gather row, lux
+  std::string device;         ///< "reference" or the name of the Vulkan device
+  std::string kernel;         ///< empty for the reference
+  Method method = Method::bounces;
+  std::string method_reason;             ///< a sentence without a full stop
+  std::optional<ScenePrediction> scene;  ///< where the method was chosen by what was measured
   double rounding_bound = 0.0;  ///< what rounding can do on top of the error bound, relative to max B
   JsonObject seconds;           ///< per stage
 };
@@ -31,8 +36,8 @@ struct SolveOutcome {
 /// What `--kernel` may name.
 const std::vector<std::string>& kernel_names();
 
-/// Plain bounces, then the gather. There is no way back to the reference when no device is found: that is an
-/// error (no_device).
+/// The radiosity, then the gather. The Vulkan device knows plain bounces: another method is an error (usage).
+/// There is no way back to the reference when no device is found: that is an error (no_device).
 Result<SolveOutcome> solve(const Model& model, const Lighting& lighting, const StopRule& rule,
                            const SolverChoice& choice, Console& console);
 

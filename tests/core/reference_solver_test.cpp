@@ -239,7 +239,8 @@ TEST(ReferenceSolver, RefusesWhatDoesNotContract) {
   ASSERT_FALSE(solution);
   EXPECT_EQ(solution.error().code, ErrorCode::check_failed);
   EXPECT_NE(solution.error().message.find(
-                "channel 1 the spectral radius of albedo x form factors lies between 1.08 and 1.08"),
+                "in channel 1 light grows by a factor of 1.08 or more at each bounce (the spectral radius of "
+                "albedo x form factors lies between 1.08 and 1.08, expected below 1)"),
             std::string::npos)
       << solution.error().message;
 }
