@@ -2,9 +2,9 @@
 #include "compute/descriptor_sets.h"
 
 #include <algorithm>
-#include <array>
-#include <cstddef>
+#include <utility>
 
+#include "compute/pipeline_objects.h"
 #include "compute/vulkan_error.h"
 #include "compute/vulkan_info.h"
 
@@ -96,15 +96,13 @@ Result<void> make_texel_views(const HostDevice& host, const DeviceFunctions& fun
   for (SetPlan& plan : plans) {
     for (TexelPlan& texels : plan.texels) {
       const VkDescriptorBufferInfo& bytes = plan.bindings[texels.storage_binding];
-      auto info = vulkan_info<VkBufferViewCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO);
-      info.buffer = bytes.buffer;
-      info.format = texels.format;
-      info.offset = bytes.offset;
-      info.range = std::min(bytes.range, max_texels * texels.texel_bytes);
-      const VkResult result =
-          functions.create_buffer_view(host.device, &info, host.allocation_callbacks, &texels.view);
-      if (result != VK_SUCCESS) return tl::unexpected<Error>(vulkan_error(result, "creating a buffer view"));
-      views.emplace_back(host.device, texels.view, functions.destroy_buffer_view, host.allocation_callbacks);
+      auto view = make_texel_view(
+          host, functions,
+          {bytes.buffer, bytes.offset, std::min(bytes.range, max_texels * texels.texel_bytes)},
+          texels.format);
+      if (!view) return tl::unexpected<Error>(view.error());
+      texels.view = view->get();
+      views.push_back(std::move(*view));
     }
   }
   return {};
@@ -112,22 +110,12 @@ Result<void> make_texel_views(const HostDevice& host, const DeviceFunctions& fun
 
 Result<VulkanHandle<VkDescriptorPool>> make_pool(const HostDevice& host, const DeviceFunctions& functions,
                                                  const std::vector<SetPlan>& plans) {
-  std::array<VkDescriptorPoolSize, 2> sizes = {
-      {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 0}, {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 1}}};
+  SetShape bindings;
   for (const SetPlan& plan : plans) {
-    sizes[0].descriptorCount += static_cast<std::uint32_t>(plan.bindings.size());
-    sizes[1].descriptorCount += static_cast<std::uint32_t>(plan.texels.size());
+    bindings.storage_buffers += static_cast<std::uint32_t>(plan.bindings.size());
+    bindings.texel_buffers += static_cast<std::uint32_t>(plan.texels.size());
   }
-  auto info = vulkan_info<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
-  info.maxSets = static_cast<std::uint32_t>(plans.size());
-  info.poolSizeCount = static_cast<std::uint32_t>(sizes.size());
-  info.pPoolSizes = sizes.data();
-  VkDescriptorPool pool = VK_NULL_HANDLE;
-  const VkResult result =
-      functions.create_descriptor_pool(host.device, &info, host.allocation_callbacks, &pool);
-  if (result != VK_SUCCESS) return tl::unexpected<Error>(vulkan_error(result, "creating a descriptor pool"));
-  return VulkanHandle<VkDescriptorPool>(host.device, pool, functions.destroy_descriptor_pool,
-                                        host.allocation_callbacks);
+  return make_descriptor_pool(host, functions, static_cast<std::uint32_t>(plans.size()), bindings);
 }
 
 Result<void> allocate(const HostDevice& host, const DeviceFunctions& functions, const Pipelines& pipelines,

@@ -9,6 +9,7 @@
 
 #include "compute/device_functions.h"
 #include "compute/host_device.h"
+#include "compute/kernel_code.h"
 #include "compute/pass_plan.h"
 #include "compute/vulkan_handle.h"
 #include "core/block_matrix.h"
@@ -16,17 +17,6 @@
 #include "kernels/shared/bindings.h"
 
 namespace relume {
-
-/// Every file kernels/*.comp.
-enum class KernelId : std::uint32_t {
-  start,
-  import_radiosity,
-  bounce_row_per_thread,
-  bounce_row_per_8_lanes,
-  gather_row_per_thread,
-  gather_row_per_8_lanes,
-  residual,
-};
 
 /// The kernel that does a step of a pass.
 KernelId step_kernel_id(StepKernel step, RowKernel row_kernel);
