@@ -36,25 +36,25 @@ VkDescriptorBufferInfo whole(const BufferRange& range) {
   return part(range, 0, range.byte_size);
 }
 
-SetPlan plan_solve_set(std::span<const BufferRange> ranges, std::uint32_t half_in, VkDescriptorSet& set) {
-  SetPlan plan{kernels::kSolveSet, &set, std::vector<VkDescriptorBufferInfo>(kernels::kSolveBindings), {}};
-  plan.bindings[kernels::kRadiosityInBinding] = whole(ranges[half_in == 0 ? kRadiosityA : kRadiosityB]);
-  plan.bindings[kernels::kRadiosityOutBinding] = whole(ranges[half_in == 0 ? kRadiosityB : kRadiosityA]);
-  plan.bindings[kernels::kAlbedoBinding] = whole(ranges[kAlbedo]);
-  plan.bindings[kernels::kExitanceBinding] = whole(ranges[kExitance]);
-  plan.bindings[kernels::kDirectBinding] = whole(ranges[kDirect]);
-  plan.bindings[kernels::kWeightsBinding] = whole(ranges[kWeights]);
-  plan.bindings[kernels::kResidualBinding] = whole(ranges[kResidual]);
-  plan.bindings[kernels::kLeafWeightsBinding] = whole(ranges[kLeafWeights]);
+SetPlan plan_solve_set(std::span<const BufferRange> ranges, VkDescriptorSet& set) {
+  SetPlan plan{kernels::kSolveSet, &set, {}, {}};
+  for (std::uint32_t i = 0; i < kernels::kSolveBindings; ++i) plan.bindings.push_back(whole(ranges[i]));
   return plan;
 }
 
-SetPlan plan_system_set(const SystemLayout& system, std::span<const BufferRange> ranges,
-                        VkDescriptorSet& set) {
-  SetPlan plan{kernels::kSystemSet, &set, std::vector<VkDescriptorBufferInfo>(kernels::kSystemBindings), {}};
-  plan.bindings[kernels::kImportsBinding] = whole(ranges[system.imports_buffer]);
-  plan.bindings[kernels::kLocalRadiosityBinding] = whole(ranges[system.local_radiosity_buffer]);
-  plan.bindings[kernels::kIrradianceBinding] = whole(ranges[system.irradiance_buffer]);
+/// The nodes kernel reads nodes and weights; something must stand in the other places.
+SetPlan plan_sky_set(std::span<const BufferRange> ranges, VkDescriptorSet& set) {
+  SetPlan plan{kernels::kSystemSet,
+               &set,
+               std::vector<VkDescriptorBufferInfo>(kernels::kSystemBindings, whole(ranges[kSkyNodes])),
+               {}};
+  plan.bindings[kernels::kLeafWeightsBinding] = whole(ranges[kSkyWeights]);
+  return plan;
+}
+
+SetPlan plan_system_set(std::span<const BufferRange> ranges, VkDescriptorSet& set) {
+  SetPlan plan{kernels::kSystemSet, &set, {}, {}};
+  for (std::uint32_t i = 0; i < kernels::kSystemBindings; ++i) plan.bindings.push_back(whole(ranges[i]));
   plan.texels = {{kernels::kLocalRadiosityTexelsBinding, kernels::kLocalRadiosityBinding,
                   VK_FORMAT_R32G32B32A32_SFLOAT, kRgbBytes}};
   return plan;
@@ -72,22 +72,6 @@ void plan_block_sets(const std::vector<BlockLayout>& blocks, std::span<const Buf
                    {kernels::kValueTexelsBinding, kernels::kValuesBinding, VK_FORMAT_R32_UINT, 4}};
     plans.push_back(std::move(plan));
   }
-}
-
-/// All sets; the plans point into `sets`, whose vectors do not grow afterwards.
-std::vector<SetPlan> plan_sets(const SolverLayout& layout, std::span<const BufferRange> ranges,
-                               DescriptorSets& sets) {
-  std::vector<SetPlan> plans;
-  sets.systems.resize(layout.systems.size());
-  for (std::uint32_t half = 0; half < 2; ++half) {
-    plans.push_back(plan_solve_set(ranges, half, sets.solve[half]));
-  }
-  for (std::size_t i = 0; i < layout.systems.size(); ++i) {
-    plans.push_back(plan_system_set(layout.systems[i], ranges, sets.systems[i].system));
-    plan_block_sets(layout.systems[i].bounce, ranges, sets.systems[i].bounce, plans);
-    plan_block_sets(layout.systems[i].gather, ranges, sets.systems[i].gather, plans);
-  }
-  return plans;
 }
 
 Result<void> make_texel_views(const HostDevice& host, const DeviceFunctions& functions,
@@ -155,23 +139,44 @@ void write(const HostDevice& host, const DeviceFunctions& functions, const std::
                                    nullptr);
 }
 
-}  // namespace
-
-Result<DescriptorSets> make_descriptor_sets(const HostDevice& host, const DeviceFunctions& functions,
-                                            const Pipelines& pipelines, const SolverLayout& layout,
-                                            std::span<const BufferRange> ranges, VkDeviceSize max_texels) {
-  DescriptorSets sets;
-  std::vector<SetPlan> plans = plan_sets(layout, ranges, sets);
-  if (auto made = make_texel_views(host, functions, max_texels, plans, sets.texel_views); !made) {
-    return tl::unexpected<Error>(made.error());
-  }
+/// Allocates and writes all sets.
+Result<VulkanHandle<VkDescriptorPool>> make_sets(const HostDevice& host, const DeviceFunctions& functions,
+                                                 const Pipelines& pipelines,
+                                                 const std::vector<SetPlan>& plans) {
   auto pool = make_pool(host, functions, plans);
-  if (!pool) return tl::unexpected<Error>(pool.error());
-  sets.pool = std::move(*pool);
-  if (auto allocated = allocate(host, functions, pipelines, sets.pool.get(), plans); !allocated) {
+  if (!pool) return pool;
+  if (auto allocated = allocate(host, functions, pipelines, pool->get(), plans); !allocated) {
     return tl::unexpected<Error>(allocated.error());
   }
   write(host, functions, plans);
+  return pool;
+}
+
+}  // namespace
+
+Result<SolveSets> make_solve_sets(const HostDevice& host, const DeviceFunctions& functions,
+                                  const Pipelines& pipelines, std::span<const BufferRange> ranges) {
+  SolveSets sets;
+  const std::vector<SetPlan> plans = {plan_solve_set(ranges, sets.solve), plan_sky_set(ranges, sets.sky)};
+  auto pool = make_sets(host, functions, pipelines, plans);
+  if (!pool) return tl::unexpected<Error>(pool.error());
+  sets.pool = std::move(*pool);
+  return sets;
+}
+
+Result<SystemSets> make_system_sets(const HostDevice& host, const DeviceFunctions& functions,
+                                    const Pipelines& pipelines, const SystemLayout& layout,
+                                    std::span<const BufferRange> ranges, VkDeviceSize max_texels) {
+  SystemSets sets;
+  std::vector<SetPlan> plans = {plan_system_set(ranges, sets.system)};
+  plan_block_sets(layout.bounce, ranges, sets.bounce, plans);
+  plan_block_sets(layout.gather, ranges, sets.gather, plans);
+  if (auto made = make_texel_views(host, functions, max_texels, plans, sets.texel_views); !made) {
+    return tl::unexpected<Error>(made.error());
+  }
+  auto pool = make_sets(host, functions, pipelines, plans);
+  if (!pool) return tl::unexpected<Error>(pool.error());
+  sets.pool = std::move(*pool);
   return sets;
 }
 

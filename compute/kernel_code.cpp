@@ -6,6 +6,7 @@
 #include "spirv/gather_row_per_8_lanes.h"
 #include "spirv/gather_row_per_thread.h"
 #include "spirv/import_radiosity.h"
+#include "spirv/nodes.h"
 #include "spirv/residual.h"
 #include "spirv/start.h"
 
@@ -25,6 +26,8 @@ std::span<const std::uint32_t> kernel_code(KernelId kernel) {
       return gather_row_per_thread_spirv;
     case KernelId::gather_row_per_8_lanes:
       return gather_row_per_8_lanes_spirv;
+    case KernelId::nodes:
+      return nodes_spirv;
     case KernelId::residual:
       return residual_spirv;
   }
@@ -45,6 +48,8 @@ const char* kernel_file_name(KernelId kernel) {
       return "gather_row_per_thread";
     case KernelId::gather_row_per_8_lanes:
       return "gather_row_per_8_lanes";
+    case KernelId::nodes:
+      return "nodes";
     case KernelId::residual:
       return "residual";
   }

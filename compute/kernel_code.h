@@ -14,6 +14,7 @@ enum class KernelId : std::uint32_t {
   bounce_row_per_8_lanes,
   gather_row_per_thread,
   gather_row_per_8_lanes,
+  nodes,
   residual,
 };
 

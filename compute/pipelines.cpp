@@ -31,15 +31,20 @@ KernelId step_kernel_id(StepKernel step, RowKernel row_kernel) {
       return per_thread ? KernelId::bounce_row_per_thread : KernelId::bounce_row_per_8_lanes;
     case StepKernel::gather:
       return per_thread ? KernelId::gather_row_per_thread : KernelId::gather_row_per_8_lanes;
+    case StepKernel::start:
+      return KernelId::start;
+    case StepKernel::nodes:
+      return KernelId::nodes;
+    case StepKernel::residual:
+      return KernelId::residual;
     case StepKernel::import_radiosity:
       break;
   }
   return KernelId::import_radiosity;
 }
 
-Result<Pipelines> Pipelines::create(const HostDevice& host, const DeviceFunctions& functions,
-                                    MatrixFetch fetch) {
-  Pipelines pipelines(host, functions, fetch);
+Result<Pipelines> Pipelines::create(const HostDevice& host, const DeviceFunctions& functions) {
+  Pipelines pipelines(host, functions);
   for (std::uint32_t set = 0; set < kernels::kSets; ++set) {
     auto layout = make_set_layout(host, functions, kSetShapes[set]);
     if (!layout) return tl::unexpected<Error>(layout.error());
@@ -57,7 +62,7 @@ Result<void> Pipelines::add(KernelId kernel, const BlockFormat& format) {
   if (pipelines_.contains({kernel, format})) return {};
   std::array<std::uint32_t, 3> constants{};
   constants[kernels::kCodecConstant] = static_cast<std::uint32_t>(format.codec);
-  constants[kernels::kFetchConstant] = static_cast<std::uint32_t>(fetch_);
+  constants[kernels::kFetchConstant] = static_cast<std::uint32_t>(format.fetch);
   constants[kernels::kTileRowsConstant] = format.tile_rows;
   auto pipeline = make_compute_pipeline(host_, functions_, layout_.get(), kernel, constants);
   if (!pipeline) return tl::unexpected<Error>(pipeline.error());

@@ -18,14 +18,13 @@
 
 namespace relume {
 
-/// The kernel that does a step of a pass.
+/// The kernel that does a step.
 KernelId step_kernel_id(StepKernel step, RowKernel row_kernel);
 
 class Pipelines {
  public:
   /// Layouts only. Everything of `host` is borrowed.
-  static Result<Pipelines> create(const HostDevice& host, const DeviceFunctions& functions,
-                                  MatrixFetch fetch);
+  static Result<Pipelines> create(const HostDevice& host, const DeviceFunctions& functions);
 
   /// Makes the pipeline of a kernel for a format, unless it is there. Kernels that decode nothing have the
   /// format {}.
@@ -40,12 +39,10 @@ class Pipelines {
   VkDescriptorSetLayout set_layout(std::uint32_t set) const { return set_layouts_[set].get(); }
 
  private:
-  Pipelines(const HostDevice& host, const DeviceFunctions& functions, MatrixFetch fetch)
-      : host_(host), functions_(functions), fetch_(fetch) {}
+  Pipelines(const HostDevice& host, const DeviceFunctions& functions) : host_(host), functions_(functions) {}
 
   HostDevice host_;
   DeviceFunctions functions_;
-  MatrixFetch fetch_;
   std::array<VulkanHandle<VkDescriptorSetLayout>, kernels::kSets> set_layouts_;
   VulkanHandle<VkPipelineLayout> layout_;
   std::map<std::pair<KernelId, BlockFormat>, VulkanHandle<VkPipeline>> pipelines_;

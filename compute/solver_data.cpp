@@ -2,10 +2,9 @@
 #include "compute/solver_data.h"
 
 #include <bit>
-#include <span>
 #include <utility>
 
-#include "core/sender_leaves.h"
+#include "core/sky.h"
 #include "kernels/shared/glsl_types.h"
 
 namespace relume {
@@ -24,12 +23,13 @@ std::vector<std::byte> owned_bytes(const std::vector<Element>& elements) {
   return {bytes.begin(), bytes.end()};
 }
 
-void add_blocks(UploadData& data, const BlockMatrix& matrix, const std::vector<BlockLayout>& layouts) {
+void add_blocks(UploadData& data, const BlockMatrix& matrix, const std::vector<BlockLayout>& layouts,
+                std::span<const BufferRange> ranges) {
   for (std::size_t i = 0; i < matrix.blocks.size(); ++i) {
     const MatrixBlock& block = matrix.blocks[i];
-    const BlockLayout& layout = layouts[i];
+    const BufferRange& range = ranges[layouts[i].buffer];
     const auto add = [&](std::uint32_t binding, std::span<const std::byte> bytes) {
-      data.pieces.push_back({layout.buffer, layout.sections[binding].offset, bytes});
+      data.pieces.push_back({range.buffer, range.offset + layouts[i].sections[binding].offset, bytes});
     };
     add(kernels::kTileOffsetsBinding, bytes_of(block.tile_offsets));
     add(kernels::kColumnsBinding, bytes_of(block.columns));
@@ -38,74 +38,95 @@ void add_blocks(UploadData& data, const BlockMatrix& matrix, const std::vector<B
   }
 }
 
-kernels::vec4 to_device(const Rgb& value) {
-  return {static_cast<float>(value.x), static_cast<float>(value.y), static_cast<float>(value.z), 0.0f};
+kernels::uint inverse_bits(double weight) {
+  return std::bit_cast<kernels::uint>(weight > 0.0 ? static_cast<float>(1.0 / weight) : 0.0f);
 }
 
-std::vector<std::byte> device_bytes(const std::vector<Rgb>& values) {
-  std::vector<kernels::vec4> converted;
-  for (const Rgb& value : values) converted.push_back(to_device(value));
-  return owned_bytes(converted);
-}
-
-kernels::uvec4 range_record(const LeafRange& range) {
-  return {range.first, range.count, 0, 0};
-}
-
-/// A record per import, then the ranges of nodes above the systems (kernels/shared/bindings.h).
-std::vector<kernels::uvec4> import_records(const System& system, const LeafNumbers& numbers) {
-  std::vector<kernels::uvec4> records, ranges;
-  for (const SenderRef& sender : system.imports) {
-    const SenderLeaves leaves = numbers.leaves_of(sender);
-    kernels::uvec4 record{0, 0, 0, 0};
-    if (sender.system == kSpanningNodes) {
-      record.x = static_cast<kernels::uint>(system.imports.size() + ranges.size());
-      record.w = static_cast<kernels::uint>(leaves.ranges.size());
-      for (const LeafRange& range : leaves.ranges) ranges.push_back(range_record(range));
-    } else if (!leaves.ranges.empty()) {
-      record = range_record(leaves.ranges.front());
-    }
-    const double weight = numbers.weight_of(leaves);
-    record.z = std::bit_cast<kernels::uint>(weight > 0.0 ? static_cast<float>(1.0 / weight) : 0.0f);
-    records.push_back(record);
+std::vector<kernels::uvec4> node_records(const std::vector<TreeNode>& tree,
+                                         const std::vector<double>& leaf_weights) {
+  std::vector<kernels::uvec4> records;
+  for (const TreeNode& node : tree) {
+    double weight = 0.0;
+    for (std::uint32_t leaf = node.first; leaf < node.first + node.count; ++leaf)
+      weight += leaf_weights[leaf];
+    records.push_back({node.first, node.count, inverse_bits(weight), 0});
   }
-  records.insert(records.end(), ranges.begin(), ranges.end());
   return records;
+}
+
+std::vector<float> to_floats(const std::vector<double>& values) {
+  return {values.begin(), values.end()};
+}
+
+/// A record per import, then the parts of nodes above the systems (kernels/shared/bindings.h).
+std::vector<kernels::uvec4> import_records(const Model& model, const System& system) {
+  const auto sky = static_cast<kernels::uint>(model.systems.size());
+  std::vector<kernels::uvec4> records, parts;
+  for (const SenderRef& sender : system.imports) {
+    if (sender.system != kSpanningNodes) {
+      records.push_back({sender.system == kSkySystem ? sky : sender.system, sender.index, 0, 0});
+      continue;
+    }
+    const SpanningNode& node = model.top_tree[sender.index];
+    const auto first = static_cast<kernels::uint>(system.imports.size() + parts.size());
+    double area = 0.0;
+    for (std::uint32_t p = node.first_part; p < node.first_part + node.part_count; ++p) {
+      const SpannedPart& part = model.top_parts[p];
+      parts.push_back({part.sender.system, part.sender.index, std::bit_cast<kernels::uint>(part.area), 0});
+      area += part.area;
+    }
+    records.push_back({first, 0, node.part_count, inverse_bits(area)});
+  }
+  records.insert(records.end(), parts.begin(), parts.end());
+  return records;
+}
+
+void add_stored_lighting(UploadData& data, const System& system, std::span<const BufferRange> ranges) {
+  std::vector<Rgb> albedo, exitance;
+  for (const Cluster& cluster : system.clusters) {
+    albedo.emplace_back(cluster.albedo[0], cluster.albedo[1], cluster.albedo[2]);
+    exitance.emplace_back(cluster.exitance[0], cluster.exitance[1], cluster.exitance[2]);
+  }
+  data.add_owned(ranges[kAlbedo], 0, rgb_bytes(albedo));
+  data.add_owned(ranges[kExitance], 0, rgb_bytes(exitance));
+  data.add_owned(ranges[kDirect], 0, rgb_bytes(std::vector<Rgb>(albedo.size(), Rgb(0.0))));
+  data.add_owned(ranges[kWeights], 0, rgb_bytes(std::vector<Rgb>(albedo.size(), Rgb(1.0))));
 }
 
 }  // namespace
 
-UploadData model_upload(const Model& model, const SolverLayout& layout) {
-  UploadData data;
-  const LeafNumbers numbers(model);
-  const std::vector<double>& weights = numbers.weights();
-  data.add_owned(kLeafWeights, 0, owned_bytes(std::vector<float>(weights.begin(), weights.end())));
-  for (std::size_t i = 0; i < model.systems.size(); ++i) {
-    const System& system = model.systems[i];
-    data.add_owned(layout.systems[i].imports_buffer, 0, owned_bytes(import_records(system, numbers)));
-    add_blocks(data, system.bounce, layout.systems[i].bounce);
-    add_blocks(data, system.gather, layout.systems[i].gather);
+std::vector<std::byte> rgb_bytes(std::span<const Rgb> values) {
+  std::vector<kernels::vec4> converted;
+  converted.reserve(values.size());
+  for (const Rgb& value : values) {
+    converted.push_back(
+        {static_cast<float>(value.x), static_cast<float>(value.y), static_cast<float>(value.z), 0.0f});
   }
+  return owned_bytes(converted);
+}
+
+UploadData sky_tree_upload(const Model& model, std::span<const BufferRange> ranges) {
+  std::vector<double> weights;
+  for (const std::uint32_t cell : model.sky_cells)
+    weights.push_back(sky_cell_solid_angle(cell, model.sky_resolution));
+  UploadData data;
+  data.add_owned(ranges[kSkyNodes], 0, owned_bytes(node_records(model.sky_tree, weights)));
+  data.add_owned(ranges[kSkyWeights], 0, owned_bytes(to_floats(weights)));
   return data;
 }
 
-UploadData lighting_upload(const Lighting& lighting, const std::vector<Rgb>& weights,
-                           const SolverLayout& layout) {
-  const std::vector<Rgb> ones(weights.empty() ? lighting.albedo.size() : 0, Rgb(1.0));
-  const VkDeviceSize sky = layout.clusters * kRgbBytes;
+UploadData system_upload(const Model& model, std::uint32_t index, const SystemLayout& layout,
+                         std::span<const BufferRange> ranges) {
+  const System& system = model.systems[index];
+  std::vector<double> areas;
+  for (const Cluster& cluster : system.clusters) areas.push_back(cluster.area);
   UploadData data;
-  data.add_owned(kAlbedo, 0, device_bytes(lighting.albedo));
-  data.add_owned(kExitance, 0, device_bytes(lighting.exitance));
-  data.add_owned(kDirect, 0, device_bytes(lighting.direct));
-  data.add_owned(kWeights, 0, device_bytes(weights.empty() ? ones : weights));
-  data.add_owned(kRadiosityA, sky, device_bytes(lighting.sky_radiosity));
-  data.add_owned(kRadiosityB, sky, device_bytes(lighting.sky_radiosity));
-  return data;
-}
-
-UploadData radiosity_upload(const std::vector<Rgb>& radiosity, SolveBuffer half) {
-  UploadData data;
-  data.add_owned(half, 0, device_bytes(radiosity));
+  data.add_owned(ranges[kImports], 0, owned_bytes(import_records(model, system)));
+  data.add_owned(ranges[kNodes], 0, owned_bytes(node_records(system.tree, areas)));
+  data.add_owned(ranges[kLeafWeights], 0, owned_bytes(to_floats(areas)));
+  add_stored_lighting(data, system, ranges);
+  add_blocks(data, system.bounce, layout.bounce, ranges);
+  add_blocks(data, system.gather, layout.gather, ranges);
   return data;
 }
 

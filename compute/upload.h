@@ -16,8 +16,8 @@
 namespace relume {
 
 struct UploadPiece {
-  std::uint32_t buffer = 0;  ///< index into GpuSolver::buffers()
-  VkDeviceSize offset = 0;   ///< in it
+  VkBuffer buffer = VK_NULL_HANDLE;
+  VkDeviceSize offset = 0;
   std::span<const std::byte> bytes;
 };
 
@@ -27,8 +27,10 @@ struct UploadData {
   UploadData(UploadData&&) = default;
   UploadData& operator=(UploadData&&) = default;
 
-  /// Adds a piece of bytes that the data keeps.
-  void add_owned(std::uint32_t buffer, VkDeviceSize offset, std::vector<std::byte> bytes);
+  /// Adds a piece that starts `offset` bytes into `target`, of bytes that the data keeps.
+  void add_owned(const BufferRange& target, VkDeviceSize offset, std::vector<std::byte> bytes);
+  /// Adds the pieces of `other`.
+  void append(UploadData other);
 
   std::vector<UploadPiece> pieces;
   std::vector<std::vector<std::byte>> owned;
