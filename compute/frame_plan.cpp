@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "compute/schedule.h"
 
@@ -47,16 +48,16 @@ bool writes_other_half(PassStage stage) {
   return stage == PassStage::bounce || stage == PassStage::nodes;
 }
 
-double largest(const std::vector<double>& values) {
-  return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
+/// How much a bounce of a system lowers the bound on its error.
+double bounce_gain(Traits traits, const Schedule& schedule, std::uint32_t s) {
+  const double after = arriving(traits[s].bounce, radiosity_errors(schedule));
+  return std::max(schedule.systems[s].error - after, 0.0);
 }
 
-/// What the system now looks at.
-double take(const CouplingRow& row, Exposure& exposure) {
-  const double bound = exposure_bound(row, exposure);
-  exposure.own = 0.0;
-  std::fill(exposure.seen.begin(), exposure.seen.end(), 0.0);
-  return bound;
+/// The same of a gather and its outputs.
+double gather_gain(Traits traits, const Schedule& schedule, std::uint32_t s) {
+  const double after = arriving(traits[s].gather, radiosity_errors(schedule));
+  return std::max(schedule.systems[s].output_error - after, 0.0);
 }
 
 /// Makes the steps of one frame and keeps the books on what they achieve.
@@ -107,8 +108,12 @@ class Planner {
 
   FramePlan finish() {
     plan_.pass_complete = state().pass.stage == PassStage::done;
-    plan_.radiosity_error = largest(radiosity_errors(traits_, state()));
-    plan_.output_error = largest(output_errors(traits_, state()));
+    for (const SystemProgress& system : state().systems) {
+      if (!system.active) continue;
+      plan_.radiosity_error = std::max(plan_.radiosity_error, system.error);
+      plan_.output_error = std::max(plan_.output_error, system.output_error);
+    }
+    plan_.skipped = std::min(plan_.skipped, plan_.output_error);
     return std::move(plan_);
   }
 
@@ -118,7 +123,7 @@ class Planner {
   void choose_outputs(PassProgress& pass) const {
     if (pass.gather == GatherRule::always || display_step_ <= 0.0) return;
     std::erase_if(pass.systems, [&](std::uint32_t system) {
-      return exposure_bound(traits_[system].gather, plan_.next.systems[system].stale) <= 0.5 * display_step_;
+      return gather_gain(traits_, plan_.next, system) <= 0.5 * display_step_;
     });
   }
 
@@ -135,8 +140,12 @@ class Planner {
       const std::uint32_t half = writes_other_half(pass.stage) ? 1 - system.half : system.half;
       add({FrameStep::Kind::dispatch, kernel, s, pass.dispatch, half});
     }
-    if (pass.stage == PassStage::import) system.taken += take(traits_[s].bounce, system.pending);
-    if (pass.stage == PassStage::gather_import) system.gathering += take(traits_[s].gather, system.stale);
+    if (pass.stage == PassStage::import) {
+      system.next_error = arriving(traits_[s].bounce, radiosity_errors(state()));
+    }
+    if (pass.stage == PassStage::gather_import) {
+      system.next_output_error = arriving(traits_[s].gather, radiosity_errors(state()));
+    }
     return true;
   }
 
@@ -200,12 +209,11 @@ class Planner {
     SystemProgress& system = state().systems[s];
     system.half = 1 - system.half;
     add({FrameStep::Kind::flip, StepKernel::nodes, s, 0, system.half});
-    const double change = std::exchange(system.taken, 0.0);
-    note_radiosity_change(traits_, state(), s, change);
+    system.error = system.next_error;
   }
 
   void publish(std::uint32_t s) {
-    state().systems[s].gathering = 0.0;
+    state().systems[s].output_error = state().systems[s].next_output_error;
     add({FrameStep::Kind::publish, StepKernel::gather, s, 0, state().systems[s].half});
   }
 
@@ -226,11 +234,23 @@ class Chooser {
 
   /// Half of the display step is for what bounces would change, half for outputs that wait for a gather.
   bool bounce_due(const Schedule& schedule, std::uint32_t s) const {
-    return wishes_.display_step <= 0.0 || pending(schedule, s) > 0.5 * gap_ * wishes_.display_step;
+    return wishes_.display_step <= 0.0 || gap_ <= 0.0 ||
+           bounce_gain(traits_, schedule, s) > 0.5 * gap_ * wishes_.display_step;
   }
 
   bool gather_due(const Schedule& schedule, std::uint32_t s) const {
-    return wishes_.display_step <= 0.0 || stale(schedule, s) > 0.5 * wishes_.display_step;
+    return wishes_.display_step <= 0.0 || gather_gain(traits_, schedule, s) > 0.5 * wishes_.display_step;
+  }
+
+  /// What outputs may be off by because of what is not due: the errors of bounces left out feed back.
+  double skipped(const Schedule& schedule) const {
+    double bounces = 0.0, gathers = 0.0;
+    for (std::uint32_t s = 0; s < schedule.systems.size(); ++s) {
+      if (!schedule.systems[s].active) continue;
+      if (!bounce_due(schedule, s)) bounces = std::max(bounces, bounce_gain(traits_, schedule, s));
+      if (!gather_due(schedule, s)) gathers = std::max(gathers, gather_gain(traits_, schedule, s));
+    }
+    return (bounces > 0.0 ? bounces / gap_ : 0.0) + gathers;
   }
 
   /// Begins a pass; false when there is nothing to do in this frame. No system begins two.
@@ -262,17 +282,9 @@ class Chooser {
   }
 
  private:
-  double pending(const Schedule& schedule, std::uint32_t s) const {
-    return exposure_bound(traits_[s].bounce, schedule.systems[s].pending);
-  }
-
-  double stale(const Schedule& schedule, std::uint32_t s) const {
-    return exposure_bound(traits_[s].gather, schedule.systems[s].stale);
-  }
-
   std::uint32_t most_changed(const Schedule& schedule, const std::vector<std::uint32_t>& candidates) const {
     const auto change = [&](std::uint32_t s) {
-      return std::max(pending(schedule, s), gap_ * stale(schedule, s));
+      return std::max(bounce_gain(traits_, schedule, s), gap_ * gather_gain(traits_, schedule, s));
     };
     return *std::max_element(candidates.begin(), candidates.end(),
                              [&](std::uint32_t a, std::uint32_t b) { return change(a) < change(b); });
@@ -283,19 +295,6 @@ class Chooser {
   std::vector<bool> served_;
   double gap_ = 0.0;
 };
-
-/// Outputs' error by what is not due.
-double skipped_error(Traits traits, const Chooser& chooser, Schedule schedule) {
-  for (std::uint32_t s = 0; s < schedule.systems.size(); ++s) {
-    SystemProgress& system = schedule.systems[s];
-    if (!system.active) continue;
-    system.taken = system.gathering = 0.0;
-    const bool bounce = chooser.bounce_due(schedule, s), gather = chooser.gather_due(schedule, s);
-    if (bounce) take(traits[s].bounce, system.pending);
-    if (gather) take(traits[s].gather, system.stale);
-  }
-  return largest(output_errors(traits, schedule));
-}
 
 }  // namespace
 
@@ -308,9 +307,7 @@ FramePlan plan_frame(Traits traits, const Schedule& schedule, const FrameWishes&
          chooser.begin_pass(planner.state(), planner.room())) {
     planner.run();
   }
-  if (wishes.display_step > 0.0) {
-    planner.plan().skipped = skipped_error(traits, chooser, planner.state());
-  }
+  planner.plan().skipped = chooser.skipped(planner.state());
   return planner.finish();
 }
 
@@ -323,10 +320,7 @@ FramePlan plan_together(Traits traits, const Schedule& schedule, const PassWishe
       SystemProgress& system = planner.state().systems[s];
       if (!system.active) continue;
       pass.systems.push_back(s);
-      if (wishes.restart) {
-        system.pending.own += wishes.largest_radiosity;
-        note_radiosity_change(traits, planner.state(), s, wishes.largest_radiosity);
-      }
+      if (wishes.restart) system.error = schedule.largest_radiosity;
     }
     pass.stage = wishes.restart ? PassStage::start : PassStage::start_nodes;
     pass.bounces = wishes.bounces;

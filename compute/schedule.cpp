@@ -2,15 +2,11 @@
 #include "compute/schedule.h"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/common.hpp>
-#include <limits>
 #include <utility>
 
 namespace relume {
 namespace {
-
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 double share_of(const CouplingRow& row, std::uint32_t system) {
   const auto found = std::lower_bound(row.shares.begin(), row.shares.end(), system,
@@ -18,33 +14,54 @@ double share_of(const CouplingRow& row, std::uint32_t system) {
   return found != row.shares.end() && found->system == system ? found->share : 0.0;
 }
 
-double arriving(const CouplingRow& row, const std::vector<double>& of_system) {
-  double sum = 0.0, most = 0.0;
-  for (const Coupling& c : row.shares) {
-    if (c.system >= of_system.size() || of_system[c.system] <= 0.0) continue;
-    sum += c.share * of_system[c.system];
-    most = std::max(most, of_system[c.system]);
+/// delta = d + F(delta), from above: max d / (1 - q) everywhere bounds it, and so does each step from there.
+/// Nothing that is off is off by more than `most`.
+std::vector<double> moved_solution(std::span<const SystemTraits> traits, const Schedule& schedule,
+                                   const std::vector<double>& d, double most) {
+  constexpr int kSteps = 16;
+  const double quotient = contraction_quotient(traits, schedule);
+  const double largest = d.empty() ? 0.0 : *std::max_element(d.begin(), d.end());
+  const double everywhere = quotient < 1.0 ? std::min(largest / (1.0 - quotient), most) : most;
+  std::vector<double> delta(d.size(), 0.0);
+  for (std::size_t s = 0; s < d.size(); ++s) {
+    if (schedule.systems[s].active) delta[s] = everywhere;
   }
-  return std::min(sum, row.total * most);
+  for (int k = 0; k < kSteps; ++k) {
+    std::vector<double> next = delta;
+    for (std::size_t s = 0; s < d.size(); ++s) {
+      if (schedule.systems[s].active) next[s] = std::min(delta[s], d[s] + arriving(traits[s].bounce, delta));
+    }
+    delta = std::move(next);
+  }
+  return delta;
 }
 
-/// p of every system, and of what bounces that are not complete took in.
-std::vector<double> residual_bounds(std::span<const SystemTraits> traits, const Schedule& schedule) {
-  std::vector<double> bounds(schedule.systems.size(), 0.0);
-  for (std::size_t s = 0; s < bounds.size(); ++s) {
-    const SystemProgress& system = schedule.systems[s];
-    if (system.active) bounds[s] = exposure_bound(traits[s].bounce, system.pending) + system.taken;
+/// M + rho H and what arrives from the sky change by at most `d`, what gathers see of the sky by `seen`.
+void move_solution(std::span<const SystemTraits> traits, Schedule& schedule, const std::vector<double>& d,
+                   const std::vector<double>& seen) {
+  const double most = schedule.largest_radiosity;
+  const std::vector<double> delta = moved_solution(traits, schedule, d, most);
+  for (std::size_t s = 0; s < delta.size(); ++s) {
+    SystemProgress& system = schedule.systems[s];
+    if (!system.active) continue;
+    const double shown = seen[s] + arriving(traits[s].gather, delta);
+    system.error = std::min(system.error + delta[s], most);
+    system.next_error = std::min(system.next_error + delta[s], most);
+    system.output_error = std::min(system.output_error + shown, most);
+    system.next_output_error = std::min(system.next_output_error + shown, most);
   }
-  return bounds;
 }
 
-/// What a pass took in and did not finish is pending again.
-void give_up_pass(Schedule& schedule) {
-  for (SystemProgress& system : schedule.systems) {
-    system.pending.own += std::exchange(system.taken, 0.0);
-    system.stale.own += std::exchange(system.gathering, 0.0);
+/// Something that sends shines up to `change` more or less.
+void note_sender(std::span<const SystemTraits> traits, Schedule& schedule, std::uint32_t sender,
+                 double change) {
+  std::vector<double> d(schedule.systems.size(), 0.0), seen(schedule.systems.size(), 0.0);
+  for (std::size_t t = 0; t < d.size(); ++t) {
+    if (!schedule.systems[t].active) continue;
+    d[t] = share_of(traits[t].bounce, sender) * change;
+    seen[t] = share_of(traits[t].gather, sender) * change;
   }
-  schedule.pass = {};
+  move_solution(traits, schedule, d, seen);
 }
 
 double largest(const Rgb& value) {
@@ -53,55 +70,46 @@ double largest(const Rgb& value) {
 
 }  // namespace
 
-double exposure_bound(const CouplingRow& row, const Exposure& exposure) {
-  return exposure.own + arriving(row, exposure.seen);
-}
-
-void note_radiosity_change(std::span<const SystemTraits> traits, Schedule& schedule, std::uint32_t system,
-                           double change) {
-  if (change <= 0.0) return;
-  for (std::uint32_t t = 0; t < schedule.systems.size(); ++t) {
-    SystemProgress& progress = schedule.systems[t];
-    if (!progress.active) continue;
-    if (system == schedule.systems.size()) {
-      progress.pending.own += share_of(traits[t].bounce, system) * change;
-      progress.stale.own += share_of(traits[t].gather, system) * change;
-    } else {
-      progress.pending.seen[system] += change;
-      progress.stale.seen[system] += change;
-    }
+double arriving(const CouplingRow& row, std::span<const double> of_system) {
+  double sum = 0.0, most = 0.0;
+  for (const Coupling& c : row.shares) {
+    if (c.system >= of_system.size()) continue;
+    sum += c.share * of_system[c.system];
+    most = std::max(most, of_system[c.system]);
   }
+  return std::min(sum, row.total * most);
 }
 
-Schedule make_schedule(std::size_t systems) {
-  return {std::vector<SystemProgress>(systems), {}};
+Schedule make_schedule(std::size_t systems, double largest_radiosity) {
+  return {std::vector<SystemProgress>(systems), {}, largest_radiosity};
 }
 
-void activate(std::span<const SystemTraits> traits, Schedule& schedule, std::uint32_t system,
-              double largest_radiosity) {
-  SystemProgress& progress = schedule.systems[system];
-  progress = {};
-  note_radiosity_change(traits, schedule, system, largest_radiosity);
-  progress.active = true;
-  progress.pending = {largest_radiosity, std::vector<double>(schedule.systems.size(), 0.0)};
-  progress.stale = progress.pending;
-}
-
-void deactivate(std::span<const SystemTraits> traits, Schedule& schedule, std::uint32_t system,
-                double largest_radiosity) {
-  const std::vector<std::uint32_t>& members = schedule.pass.systems;
-  if (std::find(members.begin(), members.end(), system) != members.end()) give_up_pass(schedule);
+void activate(std::span<const SystemTraits> traits, Schedule& schedule, std::uint32_t system) {
+  const double most = schedule.largest_radiosity;
+  note_sender(traits, schedule, system, most);
   schedule.systems[system] = {};
-  note_radiosity_change(traits, schedule, system, largest_radiosity);
+  schedule.systems[system].active = true;
+  schedule.systems[system].error = most;
+  schedule.systems[system].output_error = most;
+}
+
+void deactivate(std::span<const SystemTraits> traits, Schedule& schedule, std::uint32_t system) {
+  const std::vector<std::uint32_t>& members = schedule.pass.systems;
+  if (std::find(members.begin(), members.end(), system) != members.end()) schedule.pass = {};
+  schedule.systems[system] = {};
+  note_sender(traits, schedule, system, schedule.largest_radiosity);
 }
 
 void note_change(std::span<const SystemTraits> traits, Schedule& schedule, std::uint32_t system,
                  double change) {
+  if (change <= 0.0) return;
   if (system == schedule.systems.size()) {
-    note_radiosity_change(traits, schedule, system, change);
-  } else if (change > 0.0) {
-    schedule.systems[system].pending.own += change;
+    note_sender(traits, schedule, system, change);
+    return;
   }
+  std::vector<double> d(schedule.systems.size(), 0.0);
+  d[system] = change;
+  move_solution(traits, schedule, d, std::vector<double>(d.size(), 0.0));
 }
 
 double lighting_change(const Lighting& before, const Lighting& after, std::size_t first, std::size_t count,
@@ -124,44 +132,10 @@ double contraction_quotient(std::span<const SystemTraits> traits, const Schedule
   return quotient;
 }
 
-// Starting from max p / (1 - q) everywhere, which is a bound, e <- p + min(C e, q max e) only gives better
-// ones.
-std::vector<double> radiosity_errors(std::span<const SystemTraits> traits, const Schedule& schedule) {
-  constexpr int kIterations = 16;
-  const std::vector<double> residuals = residual_bounds(traits, schedule);
-  const double quotient = contraction_quotient(traits, schedule);
-  double largest_residual = 0.0;
-  for (const double residual : residuals) largest_residual = std::max(largest_residual, residual);
-  std::vector<double> errors(residuals.size(), 0.0);
-  for (std::size_t s = 0; s < errors.size(); ++s) {
-    if (!schedule.systems[s].active) continue;
-    if (quotient < 1.0) {
-      errors[s] = largest_residual / (1.0 - quotient);
-    } else if (largest_residual > 0.0) {
-      errors[s] = kInfinite;
-    }
-  }
-  if (quotient >= 1.0) return errors;
-  for (int k = 0; k < kIterations; ++k) {
-    std::vector<double> next = residuals;
-    for (std::size_t s = 0; s < next.size(); ++s) {
-      if (schedule.systems[s].active) next[s] += arriving(traits[s].bounce, errors);
-    }
-    errors = std::move(next);
-  }
+std::vector<double> radiosity_errors(const Schedule& schedule) {
+  std::vector<double> errors;
+  for (const SystemProgress& system : schedule.systems) errors.push_back(system.active ? system.error : 0.0);
   return errors;
-}
-
-std::vector<double> output_errors(std::span<const SystemTraits> traits, const Schedule& schedule) {
-  const std::vector<double> errors = radiosity_errors(traits, schedule);
-  std::vector<double> outputs(errors.size(), 0.0);
-  for (std::size_t s = 0; s < outputs.size(); ++s) {
-    const SystemProgress& system = schedule.systems[s];
-    if (!system.active) continue;
-    outputs[s] =
-        exposure_bound(traits[s].gather, system.stale) + system.gathering + arriving(traits[s].gather, errors);
-  }
-  return outputs;
 }
 
 }  // namespace relume

@@ -7,18 +7,19 @@
 // had never been made.
 //
 // A *pass* does for some systems together: bounces, then the gather of their outputs. Bounces of systems may
-// follow each other in any order (D. Chazan and W. Miranker, Chaotic relaxation, 1969): each reads the latest
-// complete radiosity of the others. What is left to do is known without looking at the device, as bounds in
-// lm/m2 of the worst channel. For a system T, C_TS is the largest share that one of its clusters reflects of
-// system S (max over i in T of the sum over j in S of rho_i K_ij), and q_T the largest of all systems
-// together. With d_TS: how much S changed since T last imported it, and m_T: how much M + rho H changed in T
-// since then,
+// follow each other in any order: each reads the latest complete radiosity of the others, and what is off
+// shrinks (D. Chazan and W. Miranker, Chaotic relaxation, 1969). How much, is known without looking at the
+// device, in lm/m2 of the worst channel. Of a system T, C_TS is the largest share that one of its clusters
+// reflects of system S (max over i in T of the sum over j in S of rho_i K_ij), q_T that of all systems
+// together. With E_S >= max over S of |B - B_exact|,
 //
-//   p_T = m_T + min(sum_S C_TS d_TS, q_T max_S d_TS)   bounds what one more bounce would change in T,
-//   e   = p + C e, or max p / (1 - max q)              bounds max |B - B_exact|, whichever is less:
+//   F_T(E) = min(sum_S C_TS E_S, q_T max_S E_S)
+//   a bounce of T                       E_T becomes F_T(E), of the E when it imported
+//   M + rho H changes by at most d      E grows by delta = d + F(delta): what B_exact moves
+//   what a bounce of T gains            E_T - F_T(E)
 //
-// the bound of core/solve.h with weights of 1. A bounce of T that took in p_T then adds it to d_ST of all S.
-// Slow drifts add up, so none is lost.
+// and the same with G for the error of what was gathered. It is the bound of core/solve.h with weights of 1.
+// Slow drifts add up in E, so none is lost.
 #pragma once
 
 #include <cstdint>
@@ -45,6 +46,9 @@ struct CouplingRow {
   double total = 0.0;            ///< the largest of all systems together, without the sky
 };
 
+/// F of one row: what arrives of `of_system`. The sky has no part in it.
+double arriving(const CouplingRow& row, std::span<const double> of_system);
+
 /// What a plan needs to know of a system that is loaded.
 struct SystemTraits {
   bool loaded = false;
@@ -58,24 +62,15 @@ struct SystemTraits {
 SystemTraits system_traits(const Model& model, std::uint32_t system, const SystemDispatches& dispatches,
                            std::span<const Rgb> albedo = {});
 
-/// What changed of what a system depends on, since it last looked.
-struct Exposure {
-  double own = 0.0;          ///< of its own M + rho H, and of the sky
-  std::vector<double> seen;  ///< of each system: d
-};
-
-/// own + the lesser of the two bounds on what of `seen` arrives.
-double exposure_bound(const CouplingRow& row, const Exposure& exposure);
-
 /// What is known of a system between two frames. Bounds in lm/m2.
 struct SystemProgress {
   bool active = false;
-  bool started = false;    ///< its radiosity holds something
-  std::uint32_t half = 0;  ///< of its radiosity: the one that counts
-  Exposure pending;        ///< since it last imported for a bounce
-  double taken = 0.0;      ///< p, by a bounce that is not complete
-  Exposure stale;          ///< since its outputs began to be gathered
-  double gathering = 0.0;  ///< of that, by a gather that is not complete
+  bool started = false;            ///< its radiosity holds something
+  std::uint32_t half = 0;          ///< of its radiosity: the one that counts
+  double error = 0.0;              ///< E
+  double next_error = 0.0;         ///< E when the bounce that it is in is complete
+  double output_error = 0.0;       ///< of the irradiance that was published last
+  double next_output_error = 0.0;  ///< when the gather that it is in is complete
 };
 
 enum class PassStage : std::uint32_t {
@@ -100,16 +95,17 @@ struct PassProgress {
   std::uint32_t dispatch = 0;  ///< of that member in this stage
   std::uint32_t bounces = 0;   ///< still to do
   bool residual = false;
-  GatherRule gather = GatherRule::never;  ///< when_stale: by more than half of the display step
+  GatherRule gather = GatherRule::never;  ///< when_stale: it gains more than half of the display step
 };
 
 struct Schedule {
   std::vector<SystemProgress> systems;
   PassProgress pass;
+  double largest_radiosity = 0.0;  ///< lm/m2: no surface or sky patch will have more; the host may raise it
 };
 
 /// All systems inactive.
-Schedule make_schedule(std::size_t systems);
+Schedule make_schedule(std::size_t systems, double largest_radiosity);
 
 /// What a host wants of one frame.
 struct FrameWishes {
@@ -141,12 +137,11 @@ struct FramePlan {
   Schedule next;
   std::vector<std::uint32_t> halves;  ///< per system, at the start; kInactive
   std::vector<FrameStep> steps;
-  std::uint64_t cost = 0;      ///< form factors
-  bool pass_complete = false;  ///< no pass is left half done
-  double radiosity_error =
-      0.0;  ///< bound after this frame, lm/m2, the worst system; infinite when q is not below 1
-  double output_error = 0.0;  ///< the same of what is published
-  double skipped = 0.0;       ///< of output_error, at most, by leaving out what is below the display step
+  std::uint64_t cost = 0;        ///< form factors
+  bool pass_complete = false;    ///< no pass is left half done
+  double radiosity_error = 0.0;  ///< after this frame, the worst E
+  double output_error = 0.0;     ///< the worst of what is published after this frame
+  double skipped = 0.0;          ///< of output_error, at most, for what is left out below the display step
 };
 
 inline constexpr std::uint32_t kInactive = 2;
@@ -157,8 +152,7 @@ FramePlan plan_frame(std::span<const SystemTraits> traits, const Schedule& sched
 
 /// What plan_together does.
 struct PassWishes {
-  bool restart = false;            ///< first B = M + rho H
-  double largest_radiosity = 0.0;  ///< of any surface: what a restart changes at most
+  bool restart = false;  ///< first B = M + rho H
   std::uint32_t bounces = 0;
   bool residual = false;  ///< what the last bounce changed
   bool gather = false;
@@ -171,14 +165,11 @@ struct PassWishes {
 FramePlan plan_together(std::span<const SystemTraits> traits, const Schedule& schedule,
                         const PassWishes& wishes);
 
-/// From now on the system takes part; its data is on the device. Others see it. `largest_radiosity`, of any
-/// surface (lm/m2), bounds what that changes.
-void activate(std::span<const SystemTraits> traits, Schedule& schedule, std::uint32_t system,
-              double largest_radiosity);
+/// From now on the system takes part; its data is on the device. Others see it.
+void activate(std::span<const SystemTraits> traits, Schedule& schedule, std::uint32_t system);
 
 /// From now on it is black to others. A pass that it takes part in is given up.
-void deactivate(std::span<const SystemTraits> traits, Schedule& schedule, std::uint32_t system,
-                double largest_radiosity);
+void deactivate(std::span<const SystemTraits> traits, Schedule& schedule, std::uint32_t system);
 
 /// M + rho H of some clusters of a system changed by at most `change` (lm/m2); for the sky (its number is the
 /// number of systems), the radiosity of its patches. 0 is no change.
@@ -193,15 +184,7 @@ double lighting_change(const Lighting& before, const Lighting& after, std::size_
 /// The largest q of active systems: not less than the spectral radius of rho K_c P.
 double contraction_quotient(std::span<const SystemTraits> traits, const Schedule& schedule);
 
-/// The radiosity of a system that counts changed by at most `change`: what a flip brings to those that see
-/// it.
-void note_radiosity_change(std::span<const SystemTraits> traits, Schedule& schedule, std::uint32_t system,
-                           double change);
-
-/// e of every system: bounds on its distance to the solution, infinite when q is not below 1.
-std::vector<double> radiosity_errors(std::span<const SystemTraits> traits, const Schedule& schedule);
-
-/// The same of the irradiance that was published last.
-std::vector<double> output_errors(std::span<const SystemTraits> traits, const Schedule& schedule);
+/// E of every system, 0 of those that are not active.
+std::vector<double> radiosity_errors(const Schedule& schedule);
 
 }  // namespace relume

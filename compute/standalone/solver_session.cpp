@@ -38,7 +38,7 @@ SolverSession::SolverSession(StandaloneDevice& device, const Model& model, const
     : device_(&device),
       first_cluster_(cluster_offsets(model)),
       limits_(limits),
-      schedule_(make_schedule(model.systems.size())),
+      schedule_(make_schedule(model.systems.size(), 0.0)),
       arena_(device),
       solver_(std::move(solver)) {}
 
@@ -73,7 +73,7 @@ Result<void> SolverSession::load(const Model& model) {
     if (!model.systems[system].loaded) continue;
     if (auto loaded = solver_.load(model, system, allocate); !loaded) return loaded;
     data.append(solver_.system_data(model, system));
-    activate(solver_.traits(), schedule_, system, 0.0);
+    activate(solver_.traits(), schedule_, system);
   }
   const auto uploaded = upload(data);
   if (!uploaded) return tl::unexpected<Error>(uploaded.error());

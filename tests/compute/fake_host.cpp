@@ -23,6 +23,28 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_without_barriers(VkDevice device
   return vkGetDeviceProcAddr(device, name);
 }
 
+VKAPI_ATTR void VKAPI_CALL write_short_ranges(VkDevice device, std::uint32_t count,
+                                              const VkWriteDescriptorSet* writes, std::uint32_t,
+                                              const VkCopyDescriptorSet*) {
+  for (std::uint32_t i = 0; i < count; ++i) {
+    VkWriteDescriptorSet write = writes[i];
+    std::vector<VkDescriptorBufferInfo> buffers;
+    if (write.pBufferInfo != nullptr) {
+      buffers.assign(write.pBufferInfo, write.pBufferInfo + write.descriptorCount);
+      for (VkDescriptorBufferInfo& buffer : buffers) buffer.range = 16;
+      write.pBufferInfo = buffers.data();
+    }
+    vkUpdateDescriptorSets(device, 1, &write, 0, nullptr);
+  }
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_of_short_ranges(VkDevice device, const char* name) {
+  if (std::strcmp(name, "vkUpdateDescriptorSets") == 0) {
+    return reinterpret_cast<PFN_vkVoidFunction>(write_short_ranges);
+  }
+  return vkGetDeviceProcAddr(device, name);
+}
+
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_without_fill(VkDevice device, const char* name) {
   return std::strcmp(name, "vkCmdFillBuffer") == 0 ? nullptr : vkGetDeviceProcAddr(device, name);
 }
@@ -151,6 +173,10 @@ void CountingCallbacks::release(void* self, void* memory) {
 
 PFN_vkVoidFunction get_proc_addr_without_barriers(VkInstance instance, const char* name) {
   return replace("vkGetDeviceProcAddr", device_without_barriers, instance, name);
+}
+
+PFN_vkVoidFunction get_proc_addr_of_short_ranges(VkInstance instance, const char* name) {
+  return replace("vkGetDeviceProcAddr", device_of_short_ranges, instance, name);
 }
 
 PFN_vkVoidFunction get_proc_addr_without_fill(VkInstance instance, const char* name) {

@@ -79,6 +79,9 @@ std::string failed_call();
 /// A vkGetInstanceProcAddr whose devices have a vkCmdPipelineBarrier that does nothing.
 PFN_vkVoidFunction VKAPI_PTR get_proc_addr_without_barriers(VkInstance instance, const char* name);
 
+/// One whose devices bind no more than 16 bytes of any storage buffer.
+PFN_vkVoidFunction VKAPI_PTR get_proc_addr_of_short_ranges(VkInstance instance, const char* name);
+
 /// One whose devices lack vkCmdFillBuffer.
 PFN_vkVoidFunction VKAPI_PTR get_proc_addr_without_fill(VkInstance instance, const char* name);
 

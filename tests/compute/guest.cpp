@@ -33,7 +33,10 @@ double largest_radiosity(const Lighting& lighting) {
 
 Guest::Guest(StandaloneDevice& device, const HostDevice& host, const Model& model, const Lighting& lighting,
              const SolverOptions& options, const std::vector<Rgb>& weights)
-    : device_(device), model_(model), lighting_(lighting), schedule_(make_schedule(model.systems.size())) {
+    : device_(device),
+      model_(model),
+      lighting_(lighting),
+      schedule_(make_schedule(model.systems.size(), largest_radiosity(lighting))) {
   auto made = GpuSolver::create(host, model, options);
   EXPECT_TRUE(made) << made.error().message;
   solver_.emplace(std::move(*made));
@@ -45,12 +48,12 @@ Guest::Guest(StandaloneDevice& device, const HostDevice& host, const Model& mode
   light_sky(lighting);
   for (std::uint32_t system = 0; system < model.systems.size(); ++system) {
     if (!model.systems[system].loaded) continue;
-    load(model, system, largest_radiosity(lighting));
+    load(model, system);
     light(model, system, lighting, weights);
   }
 }
 
-void Guest::load(const Model& model, std::uint32_t system, double largest) {
+void Guest::load(const Model& model, std::uint32_t system) {
   const std::uint32_t first = cluster_offsets(model)[system], last = cluster_offsets(model)[system + 1];
   const auto albedo = std::span(lighting_.albedo).subspan(first, last - first);
   const auto allocate = [&](const BufferRequirement& requirement) {
@@ -61,7 +64,7 @@ void Guest::load(const Model& model, std::uint32_t system, double largest) {
   const auto loaded = solver_->load(model, system, allocate, albedo);
   ASSERT_TRUE(loaded) << loaded.error().message;
   upload(solver_->system_data(model, system));
-  activate(solver_->traits(), schedule_, system, largest);
+  activate(solver_->traits(), schedule_, system);
 }
 
 VkDeviceSize Guest::system_bytes(std::uint32_t system) const {
