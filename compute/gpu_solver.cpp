@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "compute/device_requirements.h"
-#include "compute/recording.h"
+#include "compute/record_upload.h"
 #include "compute/solver_data.h"
 #include "compute/solver_state.h"
 #include "kernels/shared/records.h"
@@ -178,47 +178,36 @@ FramePlan GpuSolver::plan(const Schedule& schedule, const PassWishes& wishes) co
 }
 
 UploadData GpuSolver::model_data(const Model& model) const {
-  return sky_tree_upload(model, state_->ranges);
+  UploadData data = sky_tree_upload(model);
+  data.targets = state_->ranges;
+  return data;
 }
 
 UploadData GpuSolver::system_data(const Model& model, std::uint32_t system) const {
   const LoadedSystem& loaded = *state_->systems[system];
-  return system_upload(model, system, loaded.layout, loaded.ranges);
+  UploadData data = system_upload(model, system, loaded.layout);
+  data.targets = loaded.ranges;
+  return data;
 }
 
 UploadData GpuSolver::input_data(std::uint32_t system, Quantity quantity, std::span<const Rgb> values) const {
   UploadData data;
-  data.add_owned(input(system, quantity), 0, rgb_bytes(values));
+  data.add_owned(0, 0, rgb_bytes(values));
+  data.targets = {input(system, quantity)};
   return data;
 }
 
 UploadData GpuSolver::radiosity_data(std::uint32_t system, std::uint32_t half,
                                      std::span<const Rgb> radiosity_of_clusters) const {
   UploadData data;
-  data.add_owned(radiosity(system, half), 0, rgb_bytes(radiosity_of_clusters));
+  data.add_owned(0, 0, rgb_bytes(radiosity_of_clusters));
+  data.targets = {radiosity(system, half)};
   return data;
 }
 
 bool GpuSolver::record_upload(VkCommandBuffer commands, const UploadData& data, const Staging& staging,
                               UploadCursor& cursor) const {
-  const ScopedLabel label(state_->functions, commands, "relume upload");
-  record_barrier(state_->functions, commands, kComputeAndTransfer, kComputeAndTransfer);
-  VkDeviceSize used = 0;
-  while (cursor.piece < data.pieces.size()) {
-    const UploadPiece& piece = data.pieces[cursor.piece];
-    const VkDeviceSize bytes = std::min(piece.bytes.size() - cursor.byte, staging.range.byte_size - used);
-    if (bytes == 0 && piece.bytes.size() > cursor.byte) break;
-    if (bytes > 0) {
-      std::memcpy(staging.mapped + used, piece.bytes.data() + cursor.byte, bytes);
-      const VkBufferCopy copy{staging.range.offset + used, piece.offset + cursor.byte, bytes};
-      state_->functions.cmd_copy_buffer(commands, staging.range.buffer, piece.buffer, 1, &copy);
-    }
-    used += bytes;
-    cursor.byte += bytes;
-    if (cursor.byte == piece.bytes.size()) cursor = {cursor.piece + 1, 0};
-  }
-  record_barrier(state_->functions, commands, kComputeAndTransfer, kComputeAndTransfer);
-  return cursor.piece == data.pieces.size();
+  return relume::record_upload(state_->functions, commands, data.targets, data, staging, cursor);
 }
 
 Result<void> GpuSolver::record_frame(VkCommandBuffer commands, const FrameInputs& inputs,

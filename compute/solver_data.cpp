@@ -23,13 +23,11 @@ std::vector<std::byte> owned_bytes(const std::vector<Element>& elements) {
   return {bytes.begin(), bytes.end()};
 }
 
-void add_blocks(UploadData& data, const BlockMatrix& matrix, const std::vector<BlockLayout>& layouts,
-                std::span<const BufferRange> ranges) {
+void add_blocks(UploadData& data, const BlockMatrix& matrix, const std::vector<BlockLayout>& layouts) {
   for (std::size_t i = 0; i < matrix.blocks.size(); ++i) {
     const MatrixBlock& block = matrix.blocks[i];
-    const BufferRange& range = ranges[layouts[i].buffer];
     const auto add = [&](std::uint32_t binding, std::span<const std::byte> bytes) {
-      data.pieces.push_back({range.buffer, range.offset + layouts[i].sections[binding].offset, bytes});
+      data.pieces.push_back({layouts[i].buffer, layouts[i].sections[binding].offset, bytes});
     };
     add(kernels::kTileOffsetsBinding, bytes_of(block.tile_offsets));
     add(kernels::kColumnsBinding, bytes_of(block.columns));
@@ -81,16 +79,16 @@ std::vector<kernels::uvec4> import_records(const Model& model, const System& sys
   return records;
 }
 
-void add_stored_lighting(UploadData& data, const System& system, std::span<const BufferRange> ranges) {
+void add_stored_lighting(UploadData& data, const System& system) {
   std::vector<Rgb> albedo, exitance;
   for (const Cluster& cluster : system.clusters) {
     albedo.emplace_back(cluster.albedo[0], cluster.albedo[1], cluster.albedo[2]);
     exitance.emplace_back(cluster.exitance[0], cluster.exitance[1], cluster.exitance[2]);
   }
-  data.add_owned(ranges[kAlbedo], 0, rgb_bytes(albedo));
-  data.add_owned(ranges[kExitance], 0, rgb_bytes(exitance));
-  data.add_owned(ranges[kDirect], 0, rgb_bytes(std::vector<Rgb>(albedo.size(), Rgb(0.0))));
-  data.add_owned(ranges[kWeights], 0, rgb_bytes(std::vector<Rgb>(albedo.size(), Rgb(1.0))));
+  data.add_owned(kAlbedo, 0, rgb_bytes(albedo));
+  data.add_owned(kExitance, 0, rgb_bytes(exitance));
+  data.add_owned(kDirect, 0, rgb_bytes(std::vector<Rgb>(albedo.size(), Rgb(0.0))));
+  data.add_owned(kWeights, 0, rgb_bytes(std::vector<Rgb>(albedo.size(), Rgb(1.0))));
 }
 
 }  // namespace
@@ -105,28 +103,27 @@ std::vector<std::byte> rgb_bytes(std::span<const Rgb> values) {
   return owned_bytes(converted);
 }
 
-UploadData sky_tree_upload(const Model& model, std::span<const BufferRange> ranges) {
+UploadData sky_tree_upload(const Model& model) {
   std::vector<double> weights;
   for (const std::uint32_t cell : model.sky_cells)
     weights.push_back(sky_cell_solid_angle(cell, model.sky_resolution));
   UploadData data;
-  data.add_owned(ranges[kSkyNodes], 0, owned_bytes(node_records(model.sky_tree, weights)));
-  data.add_owned(ranges[kSkyWeights], 0, owned_bytes(to_floats(weights)));
+  data.add_owned(kSkyNodes, 0, owned_bytes(node_records(model.sky_tree, weights)));
+  data.add_owned(kSkyWeights, 0, owned_bytes(to_floats(weights)));
   return data;
 }
 
-UploadData system_upload(const Model& model, std::uint32_t index, const SystemLayout& layout,
-                         std::span<const BufferRange> ranges) {
+UploadData system_upload(const Model& model, std::uint32_t index, const SystemLayout& layout) {
   const System& system = model.systems[index];
   std::vector<double> areas;
   for (const Cluster& cluster : system.clusters) areas.push_back(cluster.area);
   UploadData data;
-  data.add_owned(ranges[kImports], 0, owned_bytes(import_records(model, system)));
-  data.add_owned(ranges[kNodes], 0, owned_bytes(node_records(system.tree, areas)));
-  data.add_owned(ranges[kLeafWeights], 0, owned_bytes(to_floats(areas)));
-  add_stored_lighting(data, system, ranges);
-  add_blocks(data, system.bounce, layout.bounce, ranges);
-  add_blocks(data, system.gather, layout.gather, ranges);
+  data.add_owned(kImports, 0, owned_bytes(import_records(model, system)));
+  data.add_owned(kNodes, 0, owned_bytes(node_records(system.tree, areas)));
+  data.add_owned(kLeafWeights, 0, owned_bytes(to_floats(areas)));
+  add_stored_lighting(data, system);
+  add_blocks(data, system.bounce, layout.bounce);
+  add_blocks(data, system.gather, layout.gather);
   return data;
 }
 

@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "compute/host_device.h"
 #include "compute/solver_layout.h"
 #include "compute/upload.h"
 #include "core/model.h"
@@ -15,13 +14,12 @@
 
 namespace relume {
 
-/// Nodes and weights of the sky. `ranges`: of the whole solve.
-UploadData sky_tree_upload(const Model& model, std::span<const BufferRange> ranges);
+/// Nodes and weights of the sky; buffers by SolveBuffer.
+UploadData sky_tree_upload(const Model& model);
 
 /// Imports, nodes, matrices, and albedo and exitance as stored; no direct light, weights of 1. Refers to
-/// `model`. `ranges`: of the system.
-UploadData system_upload(const Model& model, std::uint32_t system, const SystemLayout& layout,
-                         std::span<const BufferRange> ranges);
+/// `model`. Buffers as in the layout.
+UploadData system_upload(const Model& model, std::uint32_t system, const SystemLayout& layout);
 
 /// RGB values as the device stores them.
 std::vector<std::byte> rgb_bytes(std::span<const Rgb> values);

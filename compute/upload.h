@@ -16,8 +16,8 @@
 namespace relume {
 
 struct UploadPiece {
-  VkBuffer buffer = VK_NULL_HANDLE;
-  VkDeviceSize offset = 0;
+  std::uint32_t buffer = 0;  ///< number among those of whoever it goes to
+  VkDeviceSize offset = 0;   ///< in it
   std::span<const std::byte> bytes;
 };
 
@@ -27,12 +27,13 @@ struct UploadData {
   UploadData(UploadData&&) = default;
   UploadData& operator=(UploadData&&) = default;
 
-  /// Adds a piece that starts `offset` bytes into `target`, of bytes that the data keeps.
-  void add_owned(const BufferRange& target, VkDeviceSize offset, std::vector<std::byte> bytes);
-  /// Adds the pieces of `other`.
+  /// Adds a piece of bytes that the data keeps.
+  void add_owned(std::uint32_t buffer, VkDeviceSize offset, std::vector<std::byte> bytes);
+  /// Adds the pieces and targets of `other`, which has targets.
   void append(UploadData other);
 
   std::vector<UploadPiece> pieces;
+  std::vector<BufferRange> targets;  ///< by number; empty: whoever records knows them
   std::vector<std::vector<std::byte>> owned;
 };
 
