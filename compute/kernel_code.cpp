@@ -6,6 +6,9 @@
 #include "spirv/gather_row_per_8_lanes.h"
 #include "spirv/gather_row_per_thread.h"
 #include "spirv/import_radiosity.h"
+#include "spirv/lightmap_r11g11b10f.h"
+#include "spirv/lightmap_rgb9e5.h"
+#include "spirv/lightmap_rgba16f.h"
 #include "spirv/residual.h"
 #include "spirv/start.h"
 
@@ -27,6 +30,12 @@ std::span<const std::uint32_t> kernel_code(KernelId kernel) {
       return gather_row_per_8_lanes_spirv;
     case KernelId::residual:
       return residual_spirv;
+    case KernelId::lightmap_rgba16f:
+      return lightmap_rgba16f_spirv;
+    case KernelId::lightmap_r11g11b10f:
+      return lightmap_r11g11b10f_spirv;
+    case KernelId::lightmap_rgb9e5:
+      return lightmap_rgb9e5_spirv;
   }
   return {};
 }
@@ -47,6 +56,12 @@ const char* kernel_file_name(KernelId kernel) {
       return "gather_row_per_8_lanes";
     case KernelId::residual:
       return "residual";
+    case KernelId::lightmap_rgba16f:
+      return "lightmap_rgba16f";
+    case KernelId::lightmap_r11g11b10f:
+      return "lightmap_r11g11b10f";
+    case KernelId::lightmap_rgb9e5:
+      return "lightmap_rgb9e5";
   }
   return "";
 }
