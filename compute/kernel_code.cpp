@@ -9,7 +9,9 @@
 #include "spirv/lightmap_r11g11b10f.h"
 #include "spirv/lightmap_rgb9e5.h"
 #include "spirv/lightmap_rgba16f.h"
+#include "spirv/materials.h"
 #include "spirv/residual.h"
+#include "spirv/screen.h"
 #include "spirv/start.h"
 
 namespace relume {
@@ -36,6 +38,10 @@ std::span<const std::uint32_t> kernel_code(KernelId kernel) {
       return lightmap_r11g11b10f_spirv;
     case KernelId::lightmap_rgb9e5:
       return lightmap_rgb9e5_spirv;
+    case KernelId::materials:
+      return materials_spirv;
+    case KernelId::screen:
+      return screen_spirv;
   }
   return {};
 }
@@ -62,6 +68,10 @@ const char* kernel_file_name(KernelId kernel) {
       return "lightmap_r11g11b10f";
     case KernelId::lightmap_rgb9e5:
       return "lightmap_rgb9e5";
+    case KernelId::materials:
+      return "materials";
+    case KernelId::screen:
+      return "screen";
   }
   return "";
 }

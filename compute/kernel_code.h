@@ -18,6 +18,8 @@ enum class KernelId : std::uint32_t {
   lightmap_rgba16f,
   lightmap_r11g11b10f,
   lightmap_rgb9e5,
+  materials,
+  screen,
 };
 
 /// The SPIR-V of a kernel, embedded when the library was built. Valid for ever.

@@ -43,12 +43,6 @@ static_assert(kMaxDispatchTexels / kernels::kWorkgroupSize <= kernels::kMaxWorkg
 
 constexpr VkDeviceSize kTexelBytes = 2 * sizeof(kernels::uint);
 
-template <class Element>
-std::vector<std::byte> owned_bytes(const std::vector<Element>& elements) {
-  const std::span<const std::byte> bytes = std::as_bytes(std::span(elements));
-  return {bytes.begin(), bytes.end()};
-}
-
 std::vector<BufferRequirement> buffers_for(const System& system, const LightmapTexels& texels) {
   const std::string owner = "lightmap '" + system.name + "' ";
   return {storage_requirement(owner + "texels", (texels.texels.size() + 1) * kTexelBytes),

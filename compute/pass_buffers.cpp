@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "compute/pass_buffers.h"
 
+#include <array>
 #include <utility>
+
+#include "kernels/shared/glsl_types.h"
 
 namespace relume {
 
@@ -37,6 +40,14 @@ Result<std::vector<BufferRange>> fit_ranges(std::span<const BufferRequirement> n
     fitted[i].byte_size = needed[i].byte_size;
   }
   return fitted;
+}
+
+Result<std::vector<BufferRange>> fit_color_ranges(std::uint32_t clusters, const BufferRange& albedo,
+                                                  const BufferRange& exitance) {
+  const VkDeviceSize bytes = clusters * sizeof(kernels::vec4);
+  const std::array<BufferRequirement, 2> needed{
+      {{"albedo", bytes, sizeof(kernels::vec4), 0}, {"exitance", bytes, sizeof(kernels::vec4), 0}}};
+  return fit_ranges(needed, std::array{albedo, exitance});
 }
 
 }  // namespace relume

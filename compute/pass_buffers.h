@@ -3,6 +3,8 @@
 // Buffers of passes that are bound to a solver's: what they ask for, and whether they got it.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,5 +30,16 @@ Result<void> check_storage_sizes(std::span<const BufferRequirement> needed);
 /// fit.
 Result<std::vector<BufferRange>> fit_ranges(std::span<const BufferRequirement> needed,
                                             std::span<const BufferRange> ranges);
+
+/// Albedo and exitance, in this order, of so many clusters: four floats each, where a solver was bound to
+/// them.
+Result<std::vector<BufferRange>> fit_color_ranges(std::uint32_t clusters, const BufferRange& albedo,
+                                                  const BufferRange& exitance);
+
+template <class Element>
+std::vector<std::byte> owned_bytes(const std::vector<Element>& elements) {
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(elements));
+  return {bytes.begin(), bytes.end()};
+}
 
 }  // namespace relume

@@ -9,22 +9,16 @@
 #include <limits>
 #include <ostream>
 
-#include "compute/device_fixture.h"
-#include "compute/fake_host.h"
 #include "compute/host_image.h"
-#include "compute/record_upload.h"
+#include "compute/pass_fixture.h"
 #include "compute/test_models.h"
 #include "compute/texel_formats.h"
+#include "kernels/shared/glsl_types.h"
 
 namespace relume::test {
 namespace {
 
 using testing::HasSubstr;
-
-constexpr VkBufferUsageFlags kHostUsage =
-    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
-constexpr VkDeviceSize kHostBytes = VkDeviceSize{16} << 20;
-constexpr VkDeviceSize kStagingBytes = VkDeviceSize{1} << 20;
 
 /// A lumel for each value, row by row in an image so wide.
 System lumels_in_rows(std::size_t count, std::uint32_t width) {
@@ -37,14 +31,13 @@ System lumels_in_rows(std::size_t count, std::uint32_t width) {
   return system;
 }
 
-std::vector<std::byte> device_rows(const std::vector<glm::vec3>& values) {
-  std::vector<float> floats;
-  for (const glm::vec3& v : values) floats.insert(floats.end(), {v.x, v.y, v.z, 0.0f});
-  const auto bytes = std::as_bytes(std::span(floats));
-  return {bytes.begin(), bytes.end()};
+std::vector<kernels::vec4> device_rows(const std::vector<glm::vec3>& values) {
+  std::vector<kernels::vec4> rows;
+  for (const glm::vec3& v : values) rows.push_back({v.x, v.y, v.z, 0.0f});
+  return rows;
 }
 
-class LightmapPassTest : public DeviceTest {
+class LightmapPassTest : public PassTest {
  protected:
   /// What the image holds after one pass over these values.
   std::vector<Rgb> shown(const System& system, LightmapFormat format,
@@ -55,50 +48,21 @@ class LightmapPassTest : public DeviceTest {
     EXPECT_TRUE(pass) << pass.error().message;
     if (!pass) return {};
     HostImage image = make_lightmap_image(device(), pass->image());
-    GuardedMemory memory(device(), kHostBytes, kHostUsage);
-    const std::vector<BufferRange> ranges = allocate(memory, *pass);
-    const BufferRange rows = *memory.allocate({"irradiance", 16 * irradiance.size(), 256, 0});
-    LightmapInputs inputs{rows, {}};
-    if (!direct.empty()) inputs.direct = *memory.allocate({"direct", 16 * direct.size(), 256, 0});
+    const std::vector<BufferRange> ranges = allocate(pass->buffers());
+    LightmapInputs inputs{allocate("irradiance", 16 * irradiance.size()), {}};
+    if (!direct.empty()) inputs.direct = allocate("direct", 16 * direct.size());
     upload(ranges, lightmap_data(texels));
-    upload(std::array{rows}, one_piece(device_rows(irradiance)));
-    if (inputs.direct) upload(std::array{*inputs.direct}, one_piece(device_rows(direct)));
+    upload(inputs.irradiance, device_rows(irradiance));
+    if (inputs.direct) upload(*inputs.direct, device_rows(direct));
 
     const auto bound =
         pass->bind(ranges, inputs, image.view(pass->image().storage_view_format, VK_IMAGE_USAGE_STORAGE_BIT));
     EXPECT_TRUE(bound) << bound.error().message;
     EXPECT_TRUE(device().submit([&](VkCommandBuffer commands) { pass->record(commands); }));
-    EXPECT_EQ(memory.damaged_bytes(), 0u);
     return decoded(image, format);
   }
 
  private:
-  static UploadData one_piece(std::vector<std::byte> bytes) {
-    UploadData data;
-    data.add_owned(0, 0, std::move(bytes));
-    return data;
-  }
-
-  static std::vector<BufferRange> allocate(GuardedMemory& memory, const LightmapPass& pass) {
-    std::vector<BufferRange> ranges;
-    for (const BufferRequirement& buffer : pass.buffers()) ranges.push_back(*memory.allocate(buffer));
-    return ranges;
-  }
-
-  void upload(std::span<const BufferRange> ranges, const UploadData& data) {
-    const auto functions = load_device_functions(device().host());
-    ASSERT_TRUE(functions);
-    auto staging =
-        make_device_buffer(device(), kStagingBytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::upload);
-    ASSERT_TRUE(staging) << staging.error().message;
-    UploadCursor cursor;
-    for (bool done = false; !done;) {
-      ASSERT_TRUE(device().submit([&](VkCommandBuffer commands) {
-        done = record_upload(*functions, commands, ranges, data, {staging->range(), staging->mapped}, cursor);
-      }));
-    }
-  }
-
   std::vector<Rgb> decoded(HostImage& image, LightmapFormat format) {
     const bool wide = format == LightmapFormat::rgba16f;
     const std::vector<std::byte> bytes = image.download(device(), kImageWritten, wide ? 8 : 4);
@@ -229,10 +193,8 @@ TEST_F(LightmapPassTest, RefusesWhatDoesNotFit) {
   const auto few = pass->bind({}, {}, VK_NULL_HANDLE);
   ASSERT_FALSE(few);
   EXPECT_THAT(few.error().message, HasSubstr("2 buffers, found 0"));
-  GuardedMemory memory(device(), kHostBytes, kHostUsage);
-  std::vector<BufferRange> ranges;
-  for (const BufferRequirement& buffer : pass->buffers()) ranges.push_back(*memory.allocate(buffer));
-  const BufferRange small = *memory.allocate({"irradiance", 48, 256, 0});
+  const std::vector<BufferRange> ranges = allocate(pass->buffers());
+  const BufferRange small = allocate("irradiance", 48);
   const auto short_input = pass->bind(ranges, {small, {}}, VK_NULL_HANDLE);
   ASSERT_FALSE(short_input);
   EXPECT_THAT(short_input.error().message, HasSubstr("'irradiance' needs 64 bytes"));
