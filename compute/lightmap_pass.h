@@ -33,18 +33,13 @@
 #include "compute/device_functions.h"
 #include "compute/host_device.h"
 #include "compute/kernel_set.h"
+#include "compute/lightmap_format.h"
 #include "compute/upload.h"
 #include "core/lightmap_texels.h"
 #include "core/model.h"
 #include "core/result.h"
 
 namespace relume {
-
-enum class LightmapFormat : std::uint32_t {
-  rgba16f,     ///< VK_FORMAT_R16G16B16A16_SFLOAT, alpha 1; relative error up to 2^-11
-  r11g11b10f,  ///< VK_FORMAT_B10G11R11_UFLOAT_PACK32; up to 2^-7 in red and green, 2^-6 in blue
-  rgb9e5,      ///< VK_FORMAT_E5B9G9R9_UFLOAT_PACK32; up to 2^-9 of the largest channel
-};
 
 /// What the host's image is made with, at least: 2D, optimal tiling, one layer, one sample.
 struct LightmapImage {
