@@ -11,16 +11,16 @@
 //
 // The lightmap holds irradiance in lux, linear Rec.709: indirect light alone, or with direct light, as the pass was told. A
 // renderer that lights its surfaces itself asks for indirect light alone and adds its own. Charts are dilated by four texels:
-// linear filtering and two mip levels stay inside them. The sampler is linear and clamps to the edge.
+// linear filtering and one mip level stay inside them. The sampler is linear and clamps to the edge.
 #ifndef RELUME_SAMPLE_LIGHTMAP_GLSL
 #define RELUME_SAMPLE_LIGHTMAP_GLSL
 
 /// As core/quantities.h: the radiance of a diffuse surface is its radiosity / pi.
 const float relume_pi = 3.14159265358979;
 
-/// Where a point of a chart (core/model.h, LightmapChart; lightmaps.json) lies in the lightmap, 1 = the whole image. `uv` is of
-/// the set that the chart names; for charts made by Relume it is the mesh's coordinate in the whole lightmap already, with
-/// scale = size and offset = 0. Row 0 is v = 0.
+/// Where a point of a chart (core/model.h, LightmapChart: scale and offset in lumels) lies in the lightmap, 1 = the whole image.
+/// `uv` is of the set that the chart names; for charts made by Relume it is a coordinate in the whole lightmap already, and
+/// lies where it says. Row 0 is v = 0. lightmaps.json has scale and offset divided by the size: there it is uv * scale + offset.
 vec2 relume_lightmap_uv(vec2 uv, vec2 chart_scale, vec2 chart_offset, vec2 lightmap_size) {
   return (uv * chart_scale + chart_offset) / lightmap_size;
 }
