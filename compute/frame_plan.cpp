@@ -298,6 +298,12 @@ class Chooser {
 
 }  // namespace
 
+bool publishes(const FramePlan& plan, std::uint32_t system) {
+  return std::any_of(plan.steps.begin(), plan.steps.end(), [system](const FrameStep& step) {
+    return step.kind == FrameStep::Kind::publish && step.system == system;
+  });
+}
+
 FramePlan plan_frame(Traits traits, const Schedule& schedule, const FrameWishes& wishes) {
   Planner planner(traits, schedule, wishes.max_form_factors, wishes.display_step);
   Chooser chooser(traits, schedule, wishes);

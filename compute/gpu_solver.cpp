@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "compute/device_requirements.h"
+#include "compute/pass_buffers.h"
 #include "compute/record_upload.h"
 #include "compute/solver_data.h"
 #include "compute/solver_state.h"
@@ -118,7 +119,7 @@ std::span<const BufferRequirement> GpuSolver::buffers() const {
 
 Result<void> GpuSolver::bind(std::span<const BufferRange> ranges) {
   if (state_->failure) return tl::unexpected<Error>(*state_->failure);
-  auto exact = exact_ranges(buffers(), ranges);
+  auto exact = fit_ranges(buffers(), ranges);
   if (!exact) return tl::unexpected<Error>(exact.error());
   auto sets = make_solve_sets(state_->host, state_->functions, state_->pipelines, *exact);
   if (!sets) {

@@ -68,6 +68,10 @@
 
 namespace relume {
 
+class LightmapPass;
+class MaterialPass;
+class ScreenPass;
+
 /// What the last bounce of a system changed, as maxima over its clusters, per channel.
 struct Residual {
   Rgb weighted_change{0.0};     ///< |change| / weight: see ContractionBound
@@ -111,13 +115,29 @@ struct IrradianceTarget {
 /// transfer, between barriers as at the border of record_frame.
 using SystemRecorder = std::function<void(VkCommandBuffer, std::uint32_t system)>;
 
+/// An image that a screen shows from this frame on (compute/screen_pass.h).
+struct ScreenFrame {
+  const ScreenPass* pass = nullptr;  ///< bound to input(system, albedo) and (system, exitance)
+  std::uint32_t image = 0;
+  Rgb factor{1.0};
+};
+
+/// A lightmap that is written when its system is complete.
+struct LightmapOutput {
+  std::uint32_t system = 0;
+  const LightmapPass* pass = nullptr;  ///< bound to irradiance(system)
+};
+
 struct FrameInputs {
   const FramePlan* plan = nullptr;
   std::span<const InputCopy> copies{};
-  SystemRecorder write_direct{};  ///< for each active system: writes input(system, Quantity::direct)
+  std::span<const MaterialPass* const> materials{};  ///< of systems whose states changed
+  std::span<const ScreenFrame> screens{};
+  SystemRecorder write_inputs{};  ///< for each active system: writes what input() gives, direct light say
 };
 
 struct FrameOutputs {
+  std::span<const LightmapOutput> lightmaps{};
   std::span<const IrradianceTarget> irradiance{};
   SystemRecorder publish{};  ///< for each system whose irradiance is complete: writes images from it
   BufferRange report{};      ///< gets residuals(), when it has a buffer (usage TRANSFER_DST)

@@ -16,6 +16,11 @@ enum class KernelId : std::uint32_t {
   gather_row_per_8_lanes,
   nodes,
   residual,
+  lightmap_rgba16f,
+  lightmap_r11g11b10f,
+  lightmap_rgb9e5,
+  materials,
+  screen,
 };
 
 /// The SPIR-V of a kernel, embedded when the library was built. Valid for ever.

@@ -11,12 +11,13 @@ namespace relume {
 namespace {
 
 SetShape times(const SetShape& shape, std::uint32_t sets) {
-  return {shape.storage_buffers * sets, shape.texel_buffers * sets, shape.storage_images * sets};
+  return {shape.storage_buffers * sets, shape.texel_buffers * sets, shape.storage_images * sets,
+          shape.sampled_images * sets};
 }
 
-std::string counts(std::size_t buffers, std::size_t texels, std::size_t images) {
-  return std::to_string(buffers) + " storage buffers, " + std::to_string(texels) + " texel buffers and " +
-         std::to_string(images) + " storage images";
+std::string counts(std::size_t buffers, std::size_t texels, std::size_t images, std::size_t sampled) {
+  return std::to_string(buffers) + " storage buffers, " + std::to_string(texels) + " texel buffers, " +
+         std::to_string(images) + " storage images and " + std::to_string(sampled) + " sampled images";
 }
 
 }  // namespace
@@ -70,13 +71,15 @@ Result<VkDescriptorSet> KernelSet::allocate_set() {
 
 Result<VkDescriptorSet> KernelSet::make_set(std::span<const BufferRange> buffers,
                                             std::span<const TexelRange> texels,
-                                            std::span<const VkImageView> images) {
+                                            std::span<const VkImageView> images,
+                                            std::span<const SampledImage> sampled) {
   if (buffers.size() != shape_.storage_buffers || texels.size() != shape_.texel_buffers ||
-      images.size() != shape_.storage_images) {
-    return fail(ErrorCode::usage,
-                "a descriptor set needs " +
-                    counts(shape_.storage_buffers, shape_.texel_buffers, shape_.storage_images) + ", found " +
-                    counts(buffers.size(), texels.size(), images.size()));
+      images.size() != shape_.storage_images || sampled.size() != shape_.sampled_images) {
+    return fail(ErrorCode::usage, "a descriptor set needs " +
+                                      counts(shape_.storage_buffers, shape_.texel_buffers,
+                                             shape_.storage_images, shape_.sampled_images) +
+                                      ", found " +
+                                      counts(buffers.size(), texels.size(), images.size(), sampled.size()));
   }
   const auto views = make_views(texels);
   if (!views) return tl::unexpected<Error>(views.error());
@@ -87,6 +90,10 @@ Result<VkDescriptorSet> KernelSet::make_set(std::span<const BufferRange> buffers
     buffer_infos.push_back({range.buffer, range.offset, range.byte_size});
   std::vector<VkDescriptorImageInfo> image_infos;
   for (VkImageView view : images) image_infos.push_back({VK_NULL_HANDLE, view, VK_IMAGE_LAYOUT_GENERAL});
+
+  std::vector<VkDescriptorImageInfo> sampled_infos;
+  for (const SampledImage& image : sampled)
+    sampled_infos.push_back({image.sampler, image.view, image.layout});
 
   std::vector<VkWriteDescriptorSet> writes;
   std::uint32_t binding = 0;
@@ -104,6 +111,8 @@ Result<VkDescriptorSet> KernelSet::make_set(std::span<const BufferRange> buffers
   if (!texels.empty())
     add(VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, texels.size()).pTexelBufferView = views->data();
   if (!images.empty()) add(VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, images.size()).pImageInfo = image_infos.data();
+  if (!sampled.empty())
+    add(VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, sampled.size()).pImageInfo = sampled_infos.data();
   functions_.update_descriptor_sets(host_.device, static_cast<std::uint32_t>(writes.size()), writes.data(), 0,
                                     nullptr);
   return set;

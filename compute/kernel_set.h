@@ -43,18 +43,26 @@ struct TexelRange {
   VkFormat format = VK_FORMAT_UNDEFINED;
 };
 
+/// An image that a kernel samples.
+struct SampledImage {
+  VkImageView view = VK_NULL_HANDLE;
+  VkSampler sampler = VK_NULL_HANDLE;
+  VkImageLayout layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;  ///< while the kernel runs
+};
+
 class KernelSet {
  public:
   /// Compiles all pipelines. Fails with no_device or out_of_memory.
   static Result<KernelSet> create(const HostDevice& host, const DeviceFunctions& functions,
                                   const KernelSetInfo& info);
 
-  /// A set that binds these in the order of SetShape, as many of each as the shape has; images are in layout
-  /// GENERAL. What it binds must outlive its use. Sets live as long as this. At most max_sets. Fails with
-  /// usage for wrong numbers.
+  /// A set that binds these in the order of SetShape, as many of each as the shape has; storage images are in
+  /// layout GENERAL. What it binds must outlive its use. Sets live as long as this. At most max_sets. Fails
+  /// with usage for wrong numbers.
   Result<VkDescriptorSet> make_set(std::span<const BufferRange> buffers,
                                    std::span<const TexelRange> texels = {},
-                                   std::span<const VkImageView> images = {});
+                                   std::span<const VkImageView> images = {},
+                                   std::span<const SampledImage> sampled = {});
 
   /// Binds kernel number `kernel` of KernelSetInfo and the set, sets all push constants (as many bytes as
   /// were announced) and dispatches. No barriers.

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "compute/pass_buffers.h"
 #include "compute/solver_state.h"
 
 namespace relume {
@@ -34,25 +35,6 @@ Result<void> add_pipelines(Pipelines& pipelines, const SystemDispatches& dispatc
 }
 
 }  // namespace
-
-Result<std::vector<BufferRange>> exact_ranges(std::span<const BufferRequirement> needed,
-                                              std::span<const BufferRange> ranges) {
-  if (ranges.size() != needed.size()) {
-    return fail(ErrorCode::usage, "expected " + std::to_string(needed.size()) + " buffers, found " +
-                                      std::to_string(ranges.size()));
-  }
-  std::vector<BufferRange> exact(ranges.begin(), ranges.end());
-  for (std::size_t i = 0; i < needed.size(); ++i) {
-    if (exact[i].byte_size < needed[i].byte_size || exact[i].offset % needed[i].alignment != 0) {
-      return fail(ErrorCode::usage,
-                  "the buffer '" + needed[i].name + "' needs " + std::to_string(needed[i].byte_size) +
-                      " bytes at a multiple of " + std::to_string(needed[i].alignment) + ", found " +
-                      std::to_string(exact[i].byte_size) + " at " + std::to_string(exact[i].offset));
-    }
-    exact[i].byte_size = needed[i].byte_size;
-  }
-  return exact;
-}
 
 Result<std::vector<BufferRange>> allocate_ranges(std::span<const BufferRequirement> needed,
                                                  const BufferAllocator& allocate) {
@@ -90,7 +72,7 @@ Result<void> load_system(SolverState& state, const Model& model, std::uint32_t i
                          std::span<const BufferRange> ranges, std::span<const Rgb> albedo) {
   auto layout = loadable_layout(state, model, index);
   if (!layout) return tl::unexpected<Error>(layout.error());
-  auto exact = exact_ranges(layout->buffers, ranges);
+  auto exact = fit_ranges(layout->buffers, ranges);
   if (!exact) return tl::unexpected<Error>(exact.error());
   const auto fetch = choose_fetch(state, *layout);
   if (!fetch) return tl::unexpected<Error>(fetch.error());

@@ -43,6 +43,7 @@ Result<VulkanHandle<VkDescriptorSetLayout>> make_set_layout(const HostDevice& ho
   add(VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, shape.storage_buffers);
   add(VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, shape.texel_buffers);
   add(VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, shape.storage_images);
+  add(VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, shape.sampled_images);
   auto info =
       vulkan_info<VkDescriptorSetLayoutCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO);
   info.bindingCount = static_cast<std::uint32_t>(bindings.size());
@@ -115,6 +116,7 @@ Result<VulkanHandle<VkDescriptorPool>> make_descriptor_pool(const HostDevice& ho
   add(VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, bindings.storage_buffers);
   add(VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, bindings.texel_buffers);
   add(VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, bindings.storage_images);
+  add(VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, bindings.sampled_images);
   auto info = vulkan_info<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
   info.maxSets = sets;
   info.poolSizeCount = static_cast<std::uint32_t>(sizes.size());

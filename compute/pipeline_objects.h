@@ -16,11 +16,13 @@
 namespace relume {
 
 /// The bindings of a descriptor set, numbered in this order from 0: storage buffers, then uniform texel
-/// buffers, then storage images.
+/// buffers, then storage images, then
+/// images with their samplers.
 struct SetShape {
   std::uint32_t storage_buffers = 0;
   std::uint32_t texel_buffers = 0;
   std::uint32_t storage_images = 0;
+  std::uint32_t sampled_images = 0;
 };
 
 Result<VulkanHandle<VkDescriptorSetLayout>> make_set_layout(const HostDevice& host,

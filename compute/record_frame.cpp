@@ -4,7 +4,10 @@
 #include <cstddef>
 #include <string>
 
+#include "compute/lightmap_pass.h"
+#include "compute/material_pass.h"
 #include "compute/recording.h"
+#include "compute/screen_pass.h"
 #include "compute/solver_state.h"
 #include "kernels/shared/bindings.h"
 #include "kernels/shared/records.h"
@@ -128,7 +131,7 @@ void clear_residuals(const SolverState& state, VkCommandBuffer commands, const F
   }
 }
 
-/// Copies and tables, what depends on them, and the host's direct light.
+/// Copies and tables, what depends on them, and passes that write inputs.
 void record_inputs(const SolverState& state, VkCommandBuffer commands, FrameRecorder& record,
                    const FrameInputs& inputs) {
   for (const InputCopy& copy : inputs.copies) {
@@ -138,12 +141,10 @@ void record_inputs(const SolverState& state, VkCommandBuffer commands, FrameReco
   clear_residuals(state, commands, *inputs.plan);
   record.barrier();
   record.nodes_of_sky();
-  if (!inputs.write_direct) {
-    if (!state.sky_nodes.empty()) record.barrier();
-    return;
-  }
-  for (std::uint32_t s = 0; s < inputs.plan->halves.size(); ++s) {
-    if (inputs.plan->halves[s] != kInactive) inputs.write_direct(commands, s);
+  for (const MaterialPass* pass : inputs.materials) pass->record(commands);
+  for (const ScreenFrame& screen : inputs.screens) screen.pass->record(commands, screen.image, screen.factor);
+  for (std::uint32_t s = 0; inputs.write_inputs && s < inputs.plan->halves.size(); ++s) {
+    if (inputs.plan->halves[s] != kInactive) inputs.write_inputs(commands, s);
   }
   record.barrier();
 }
@@ -151,6 +152,9 @@ void record_inputs(const SolverState& state, VkCommandBuffer commands, FrameReco
 void record_publish(const SolverState& state, VkCommandBuffer commands, FrameRecorder& record,
                     std::uint32_t system, const FrameOutputs& outputs) {
   const LoadedSystem& loaded = *state.systems[system];
+  for (const LightmapOutput& lightmap : outputs.lightmaps) {
+    if (lightmap.system == system) lightmap.pass->record(commands);
+  }
   for (const IrradianceTarget& target : outputs.irradiance) {
     if (target.system != system) continue;
     BufferRange source = loaded.ranges[kIrradiance];
@@ -195,7 +199,7 @@ Result<void> check_frame(const SolverState& state, const FrameInputs& inputs, co
   return {};
 }
 
-// 1 barrier   2 copies, table of halves, residuals to zero   3 barrier   4 nodes of the sky, direct light
+// 1 barrier   2 copies, table of halves, residuals to zero   3 barrier   4 nodes of the sky, passes of inputs
 // 5 barrier   6 steps of the plan with their barriers, outputs among them   7 barrier   8 report   9 barrier
 void record_checked_frame(const SolverState& state, VkCommandBuffer commands, const FrameInputs& inputs,
                           const FrameOutputs& outputs) {

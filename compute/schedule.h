@@ -146,6 +146,9 @@ struct FramePlan {
 
 inline constexpr std::uint32_t kInactive = 2;
 
+/// Whether the frame completes the outputs of a system.
+bool publishes(const FramePlan& plan, std::uint32_t system);
+
 /// The next frame.
 FramePlan plan_frame(std::span<const SystemTraits> traits, const Schedule& schedule,
                      const FrameWishes& wishes);

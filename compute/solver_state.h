@@ -45,10 +45,6 @@ struct SolverState {
   std::optional<Error> failure;                        ///< the device was lost
 };
 
-/// Whether `ranges` are what is needed; cuts them to size.
-Result<std::vector<BufferRange>> exact_ranges(std::span<const BufferRequirement> needed,
-                                              std::span<const BufferRange> ranges);
-
 /// Asks for one range after the other.
 Result<std::vector<BufferRange>> allocate_ranges(std::span<const BufferRequirement> needed,
                                                  const BufferAllocator& allocate);

@@ -6,7 +6,7 @@
 
 #include "compute/device_fixture.h"
 #include "compute/fake_host.h"
-#include "compute/guest.h"
+#include "compute/guest_solver.h"
 #include "compute/standalone/standalone_memory.h"
 #include "compute/test_models.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "compute/device_fixture.h"
-#include "compute/guest.h"
+#include "compute/guest_solver.h"
 #include "compute/test_models.h"
 
 namespace relume::test {

@@ -6,16 +6,21 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <span>
 
 #include "compute/device_fixture.h"
 #include "compute/frame_ring.h"
-#include "compute/guest.h"
+#include "compute/guest_solver.h"
+#include "compute/host_image.h"
+#include "compute/material_pass.h"
 #include "compute/near_reference.h"
 #include "compute/test_models.h"
+#include "compute/texel_formats.h"
 
 namespace relume::test {
 namespace {
@@ -257,19 +262,84 @@ TEST_F(FrameTest, TheHostWritesDirectLightItself) {
   Guest guest(device(), device().host(), model_, lighting_);
   Lighting lit = lighting_;
   for (Rgb& direct : lit.direct) direct = Rgb(std::bit_cast<float>(0x42c80000u));  // 100
-  const auto write_direct = [&](VkCommandBuffer commands, std::uint32_t system) {
+  const auto write_inputs = [&](VkCommandBuffer commands, std::uint32_t system) {
     const BufferRange direct = guest.solver().input(system, Quantity::direct);
     vkCmdFillBuffer(commands, direct.buffer, direct.offset, direct.byte_size, 0x42c80000u);
   };
   const FramePlan plan =
       guest.solver().plan(guest.schedule(), PassWishes{.restart = true, .bounces = 3, .gather = true});
   const auto submitted = device().submit([&](VkCommandBuffer commands) {
-    EXPECT_TRUE(guest.solver().record_frame(commands, {.plan = &plan, .write_direct = write_direct}, {}));
+    EXPECT_TRUE(guest.solver().record_frame(commands, {.plan = &plan, .write_inputs = write_inputs}, {}));
   });
   ASSERT_TRUE(submitted);
   guest.schedule() = plan.next;
   DeviceSolution out = guest.results(3);
   EXPECT_TRUE(agrees_with_reference(out, model_, lit));
+}
+
+// Colours by material, and a lightmap that is written in the frame that completes its system.
+TEST_F(FrameTest, MaterialsGoInAndLightmapsComeOut) {
+  Model model = model_;
+  model.materials = {{.name = "wall"}};
+  System& system = model.systems[2];
+  system.lightmap_width = 10;
+  system.lightmap_height = 9;
+  for (std::size_t i = 0; i < system.lumels.size(); ++i)
+    system.lumels[i] = {std::uint16_t(i % 10), std::uint16_t(i / 10), 0, 0};
+  Guest guest(device(), device().host(), model, lighting_);
+  GuardedMemory memory(device(), VkDeviceSize{1} << 20, guest.solver().buffers()[0].usage);
+  const auto allocate = [&](std::span<const BufferRequirement> needed) {
+    std::vector<BufferRange> ranges;
+    for (const BufferRequirement& buffer : needed) ranges.push_back(*memory.allocate(buffer));
+    return ranges;
+  };
+  auto materials = MaterialPass::create(device().host(), model, 2, {});
+  ASSERT_TRUE(materials) << materials.error().message;
+  const std::vector<BufferRange> states = allocate(materials->buffers());
+  ASSERT_TRUE(materials->bind(
+      states, {guest.solver().input(2, Quantity::albedo), guest.solver().input(2, Quantity::exitance)}));
+  guest.upload(states, material_data(model, 2, StatePer::material));
+  const kernels::MaterialState red = replaced_material(Rgb(0.5, 0.25, 0.125), Rgb(0.0));
+  UploadData state;
+  const auto bytes = std::as_bytes(std::span(&red, 1));
+  state.add_owned(1, 0, {bytes.begin(), bytes.end()});
+  guest.upload(states, std::move(state));
+
+  const LightmapTexels texels = lightmap_texels(system);
+  auto lightmap = LightmapPass::create(device().host(), system, texels, LightmapFormat::rgba16f);
+  ASSERT_TRUE(lightmap) << lightmap.error().message;
+  HostImage image = make_lightmap_image(device(), lightmap->image());
+  const std::vector<BufferRange> texel_ranges = allocate(lightmap->buffers());
+  guest.upload(texel_ranges, lightmap_data(texels));
+  ASSERT_TRUE(lightmap->bind(texel_ranges, {guest.solver().irradiance(2), {}},
+                             image.view(lightmap->image().storage_view_format, VK_IMAGE_USAGE_STORAGE_BIT)));
+
+  const FramePlan plan =
+      guest.solver().plan(guest.schedule(), PassWishes{.restart = true, .bounces = 3, .gather = true});
+  EXPECT_TRUE(publishes(plan, 2));
+  const MaterialPass* const changed[] = {&*materials};
+  const LightmapOutput lightmaps[] = {{2, &*lightmap}};
+  const auto submitted = device().submit([&](VkCommandBuffer commands) {
+    EXPECT_TRUE(guest.solver().record_frame(commands, {.plan = &plan, .materials = changed},
+                                            {.lightmaps = lightmaps}));
+  });
+  ASSERT_TRUE(submitted);
+  guest.schedule() = plan.next;
+  Lighting lit = lighting_;
+  const std::vector<std::uint32_t> offsets = cluster_offsets(model);
+  for (std::uint32_t i = offsets[2]; i < offsets[3]; ++i) {
+    lit.albedo[i] = Rgb(0.5, 0.25, 0.125);
+    lit.exitance[i] = Rgb(0.0);
+  }
+  EXPECT_TRUE(agrees_with_reference(guest.results(3), model, lit));
+  const std::vector<std::byte> shown = image.download(device(), kImageWritten, 8);
+  const std::vector<Rgb> irradiance = guest.irradiance(2);
+  for (std::size_t i = 0; i < irradiance.size(); ++i) {
+    std::array<std::uint16_t, 4> halves{};
+    std::memcpy(&halves, &shown[8 * i], 8);
+    const Rgb texel = decode_rgba16f(halves);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(texel[c], irradiance[i][c], irradiance[i][c] * 0x1p-11);
+  }
 }
 
 // A slow drift of a light below the display step, frame by frame, is not lost.

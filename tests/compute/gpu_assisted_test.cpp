@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "compute/device_fixture.h"
-#include "compute/guest.h"
+#include "compute/guest_solver.h"
 #include "compute/test_models.h"
 
 namespace relume::test {

@@ -10,7 +10,7 @@
 #include "compute/device_fixture.h"
 #include "compute/fake_host.h"
 #include "compute/gpu_solver.h"
-#include "compute/guest.h"
+#include "compute/guest_solver.h"
 #include "compute/near_reference.h"
 #include "compute/test_models.h"
 #include "compute/vulkan_info.h"

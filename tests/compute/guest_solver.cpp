@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compute/guest.h"
+#include "compute/guest_solver.h"
 
 #include <gtest/gtest.h>
 
@@ -108,6 +108,11 @@ void Guest::upload(const UploadData& data) {
     });
     ASSERT_TRUE(submitted) << submitted.error().message;
   }
+}
+
+void Guest::upload(const std::vector<BufferRange>& targets, UploadData data) {
+  data.targets = targets;
+  upload(data);
 }
 
 void Guest::together(const PassWishes& wishes) {

@@ -40,6 +40,9 @@ class Guest {
   /// Submits one frame and waits.
   FramePlan frame(const FrameWishes& wishes, const FrameOutputs& outputs = {});
 
+  /// Of some other pass, to its buffers.
+  void upload(const std::vector<BufferRange>& targets, UploadData data);
+
   std::vector<Rgb> radiosity(bool latest = true) const;
   std::vector<Rgb> radiosity(std::uint32_t system) const;
   std::vector<Rgb> irradiance() const;
