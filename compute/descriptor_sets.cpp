@@ -2,9 +2,9 @@
 #include "compute/descriptor_sets.h"
 
 #include <algorithm>
-#include <array>
-#include <cstddef>
+#include <utility>
 
+#include "compute/pipeline_objects.h"
 #include "compute/vulkan_error.h"
 #include "compute/vulkan_info.h"
 
@@ -36,25 +36,25 @@ VkDescriptorBufferInfo whole(const BufferRange& range) {
   return part(range, 0, range.byte_size);
 }
 
-SetPlan plan_solve_set(std::span<const BufferRange> ranges, std::uint32_t half_in, VkDescriptorSet& set) {
-  SetPlan plan{kernels::kSolveSet, &set, std::vector<VkDescriptorBufferInfo>(kernels::kSolveBindings), {}};
-  plan.bindings[kernels::kRadiosityInBinding] = whole(ranges[half_in == 0 ? kRadiosityA : kRadiosityB]);
-  plan.bindings[kernels::kRadiosityOutBinding] = whole(ranges[half_in == 0 ? kRadiosityB : kRadiosityA]);
-  plan.bindings[kernels::kAlbedoBinding] = whole(ranges[kAlbedo]);
-  plan.bindings[kernels::kExitanceBinding] = whole(ranges[kExitance]);
-  plan.bindings[kernels::kDirectBinding] = whole(ranges[kDirect]);
-  plan.bindings[kernels::kWeightsBinding] = whole(ranges[kWeights]);
-  plan.bindings[kernels::kResidualBinding] = whole(ranges[kResidual]);
+SetPlan plan_solve_set(std::span<const BufferRange> ranges, VkDescriptorSet& set) {
+  SetPlan plan{kernels::kSolveSet, &set, {}, {}};
+  for (std::uint32_t i = 0; i < kernels::kSolveBindings; ++i) plan.bindings.push_back(whole(ranges[i]));
   return plan;
 }
 
-SetPlan plan_system_set(const SystemLayout& system, std::span<const BufferRange> ranges,
-                        VkDescriptorSet& set) {
-  SetPlan plan{kernels::kSystemSet, &set, std::vector<VkDescriptorBufferInfo>(kernels::kSystemBindings), {}};
-  plan.bindings[kernels::kImportsBinding] = whole(ranges[system.imports_buffer]);
-  plan.bindings[kernels::kLocalRadiosityBinding] = whole(ranges[system.local_radiosity_buffer]);
-  plan.bindings[kernels::kImportSharesBinding] = whole(ranges[system.import_shares_buffer]);
-  plan.bindings[kernels::kIrradianceBinding] = whole(ranges[system.irradiance_buffer]);
+/// The nodes kernel reads nodes and shares; something must stand in the other places.
+SetPlan plan_sky_set(std::span<const BufferRange> ranges, VkDescriptorSet& set) {
+  SetPlan plan{kernels::kSystemSet,
+               &set,
+               std::vector<VkDescriptorBufferInfo>(kernels::kSystemBindings, whole(ranges[kSkyNodes])),
+               {}};
+  plan.bindings[kernels::kNodeSharesBinding] = whole(ranges[kSkyShares]);
+  return plan;
+}
+
+SetPlan plan_system_set(std::span<const BufferRange> ranges, VkDescriptorSet& set) {
+  SetPlan plan{kernels::kSystemSet, &set, {}, {}};
+  for (std::uint32_t i = 0; i < kernels::kSystemBindings; ++i) plan.bindings.push_back(whole(ranges[i]));
   plan.texels = {{kernels::kLocalRadiosityTexelsBinding, kernels::kLocalRadiosityBinding,
                   VK_FORMAT_R32G32B32A32_SFLOAT, kRgbBytes}};
   return plan;
@@ -74,37 +74,19 @@ void plan_block_sets(const std::vector<BlockLayout>& blocks, std::span<const Buf
   }
 }
 
-/// All sets; the plans point into `sets`, whose vectors do not grow afterwards.
-std::vector<SetPlan> plan_sets(const SolverLayout& layout, std::span<const BufferRange> ranges,
-                               DescriptorSets& sets) {
-  std::vector<SetPlan> plans;
-  sets.systems.resize(layout.systems.size());
-  for (std::uint32_t half = 0; half < 2; ++half) {
-    plans.push_back(plan_solve_set(ranges, half, sets.solve[half]));
-  }
-  for (std::size_t i = 0; i < layout.systems.size(); ++i) {
-    plans.push_back(plan_system_set(layout.systems[i], ranges, sets.systems[i].system));
-    plan_block_sets(layout.systems[i].bounce, ranges, sets.systems[i].bounce, plans);
-    plan_block_sets(layout.systems[i].gather, ranges, sets.systems[i].gather, plans);
-  }
-  return plans;
-}
-
 Result<void> make_texel_views(const HostDevice& host, const DeviceFunctions& functions,
                               VkDeviceSize max_texels, std::vector<SetPlan>& plans,
                               std::vector<VulkanHandle<VkBufferView>>& views) {
   for (SetPlan& plan : plans) {
     for (TexelPlan& texels : plan.texels) {
       const VkDescriptorBufferInfo& bytes = plan.bindings[texels.storage_binding];
-      auto info = vulkan_info<VkBufferViewCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO);
-      info.buffer = bytes.buffer;
-      info.format = texels.format;
-      info.offset = bytes.offset;
-      info.range = std::min(bytes.range, max_texels * texels.texel_bytes);
-      const VkResult result =
-          functions.create_buffer_view(host.device, &info, host.allocation_callbacks, &texels.view);
-      if (result != VK_SUCCESS) return tl::unexpected<Error>(vulkan_error(result, "creating a buffer view"));
-      views.emplace_back(host.device, texels.view, functions.destroy_buffer_view, host.allocation_callbacks);
+      auto view = make_texel_view(
+          host, functions,
+          {bytes.buffer, bytes.offset, std::min(bytes.range, max_texels * texels.texel_bytes)},
+          texels.format);
+      if (!view) return tl::unexpected<Error>(view.error());
+      texels.view = view->get();
+      views.push_back(std::move(*view));
     }
   }
   return {};
@@ -112,22 +94,12 @@ Result<void> make_texel_views(const HostDevice& host, const DeviceFunctions& fun
 
 Result<VulkanHandle<VkDescriptorPool>> make_pool(const HostDevice& host, const DeviceFunctions& functions,
                                                  const std::vector<SetPlan>& plans) {
-  std::array<VkDescriptorPoolSize, 2> sizes = {
-      {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 0}, {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 1}}};
+  SetShape bindings;
   for (const SetPlan& plan : plans) {
-    sizes[0].descriptorCount += static_cast<std::uint32_t>(plan.bindings.size());
-    sizes[1].descriptorCount += static_cast<std::uint32_t>(plan.texels.size());
+    bindings.storage_buffers += static_cast<std::uint32_t>(plan.bindings.size());
+    bindings.texel_buffers += static_cast<std::uint32_t>(plan.texels.size());
   }
-  auto info = vulkan_info<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
-  info.maxSets = static_cast<std::uint32_t>(plans.size());
-  info.poolSizeCount = static_cast<std::uint32_t>(sizes.size());
-  info.pPoolSizes = sizes.data();
-  VkDescriptorPool pool = VK_NULL_HANDLE;
-  const VkResult result =
-      functions.create_descriptor_pool(host.device, &info, host.allocation_callbacks, &pool);
-  if (result != VK_SUCCESS) return tl::unexpected<Error>(vulkan_error(result, "creating a descriptor pool"));
-  return VulkanHandle<VkDescriptorPool>(host.device, pool, functions.destroy_descriptor_pool,
-                                        host.allocation_callbacks);
+  return make_descriptor_pool(host, functions, static_cast<std::uint32_t>(plans.size()), bindings);
 }
 
 Result<void> allocate(const HostDevice& host, const DeviceFunctions& functions, const Pipelines& pipelines,
@@ -167,23 +139,44 @@ void write(const HostDevice& host, const DeviceFunctions& functions, const std::
                                    nullptr);
 }
 
-}  // namespace
-
-Result<DescriptorSets> make_descriptor_sets(const HostDevice& host, const DeviceFunctions& functions,
-                                            const Pipelines& pipelines, const SolverLayout& layout,
-                                            std::span<const BufferRange> ranges, VkDeviceSize max_texels) {
-  DescriptorSets sets;
-  std::vector<SetPlan> plans = plan_sets(layout, ranges, sets);
-  if (auto made = make_texel_views(host, functions, max_texels, plans, sets.texel_views); !made) {
-    return tl::unexpected<Error>(made.error());
-  }
+/// Allocates and writes all sets.
+Result<VulkanHandle<VkDescriptorPool>> make_sets(const HostDevice& host, const DeviceFunctions& functions,
+                                                 const Pipelines& pipelines,
+                                                 const std::vector<SetPlan>& plans) {
   auto pool = make_pool(host, functions, plans);
-  if (!pool) return tl::unexpected<Error>(pool.error());
-  sets.pool = std::move(*pool);
-  if (auto allocated = allocate(host, functions, pipelines, sets.pool.get(), plans); !allocated) {
+  if (!pool) return pool;
+  if (auto allocated = allocate(host, functions, pipelines, pool->get(), plans); !allocated) {
     return tl::unexpected<Error>(allocated.error());
   }
   write(host, functions, plans);
+  return pool;
+}
+
+}  // namespace
+
+Result<SolveSets> make_solve_sets(const HostDevice& host, const DeviceFunctions& functions,
+                                  const Pipelines& pipelines, std::span<const BufferRange> ranges) {
+  SolveSets sets;
+  const std::vector<SetPlan> plans = {plan_solve_set(ranges, sets.solve), plan_sky_set(ranges, sets.sky)};
+  auto pool = make_sets(host, functions, pipelines, plans);
+  if (!pool) return tl::unexpected<Error>(pool.error());
+  sets.pool = std::move(*pool);
+  return sets;
+}
+
+Result<SystemSets> make_system_sets(const HostDevice& host, const DeviceFunctions& functions,
+                                    const Pipelines& pipelines, const SystemLayout& layout,
+                                    std::span<const BufferRange> ranges, VkDeviceSize max_texels) {
+  SystemSets sets;
+  std::vector<SetPlan> plans = {plan_system_set(ranges, sets.system)};
+  plan_block_sets(layout.bounce, ranges, sets.bounce, plans);
+  plan_block_sets(layout.gather, ranges, sets.gather, plans);
+  if (auto made = make_texel_views(host, functions, max_texels, plans, sets.texel_views); !made) {
+    return tl::unexpected<Error>(made.error());
+  }
+  auto pool = make_sets(host, functions, pipelines, plans);
+  if (!pool) return tl::unexpected<Error>(pool.error());
+  sets.pool = std::move(*pool);
   return sets;
 }
 

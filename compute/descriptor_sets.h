@@ -1,37 +1,41 @@
 // SPDX-License-Identifier: MIT
 //
-// The descriptor sets of a solver, from a pool of its own: written once when the buffers are bound and never
-// again, so that recording needs no extension and command buffers in flight share them.
+// The descriptor sets of a solver and of each system, from a pool of their own: written once when buffers are
+// bound and never again, so that recording needs no extension and command buffers in flight share them.
 #pragma once
 
-#include <array>
 #include <span>
 #include <vector>
 
 #include "compute/device_functions.h"
-#include "compute/gpu_solver.h"
+#include "compute/host_device.h"
 #include "compute/pipelines.h"
 #include "compute/solver_layout.h"
 
 namespace relume {
 
+struct SolveSets {
+  VulkanHandle<VkDescriptorPool> pool;
+  VkDescriptorSet solve = VK_NULL_HANDLE;
+  VkDescriptorSet sky = VK_NULL_HANDLE;  ///< as of a system, for the nodes kernel alone
+};
+
 struct SystemSets {
+  std::vector<VulkanHandle<VkBufferView>> texel_views;
+  VulkanHandle<VkDescriptorPool> pool;
   VkDescriptorSet system = VK_NULL_HANDLE;
   std::vector<VkDescriptorSet> bounce;  ///< per block
   std::vector<VkDescriptorSet> gather;  ///< per block
 };
 
-struct DescriptorSets {
-  std::vector<VulkanHandle<VkBufferView>> texel_views;
-  VulkanHandle<VkDescriptorPool> pool;
-  std::array<VkDescriptorSet, 2> solve{};  ///< by the half that is read
-  std::vector<SystemSets> systems;
-};
+/// `ranges` has one entry per buffer of the layout of the whole solve.
+Result<SolveSets> make_solve_sets(const HostDevice& host, const DeviceFunctions& functions,
+                                  const Pipelines& pipelines, std::span<const BufferRange> ranges);
 
-/// `ranges` has one entry per buffer of the layout. Texel buffers show no more than `max_texels` elements; a
+/// `ranges` has one entry per buffer of the system. Texel buffers show no more than `max_texels` elements; a
 /// device that has fewer than a buffer holds must use MatrixFetch::storage.
-Result<DescriptorSets> make_descriptor_sets(const HostDevice& host, const DeviceFunctions& functions,
-                                            const Pipelines& pipelines, const SolverLayout& layout,
-                                            std::span<const BufferRange> ranges, VkDeviceSize max_texels);
+Result<SystemSets> make_system_sets(const HostDevice& host, const DeviceFunctions& functions,
+                                    const Pipelines& pipelines, const SystemLayout& layout,
+                                    std::span<const BufferRange> ranges, VkDeviceSize max_texels);
 
 }  // namespace relume

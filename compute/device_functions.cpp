@@ -58,6 +58,7 @@ void load_commands(Loader& load, DeviceFunctions& table) {
   load.required(table.cmd_dispatch, "vkCmdDispatch");
   load.required(table.cmd_pipeline_barrier, "vkCmdPipelineBarrier");
   load.required(table.cmd_copy_buffer, "vkCmdCopyBuffer");
+  load.required(table.cmd_update_buffer, "vkCmdUpdateBuffer");
   load.required(table.cmd_fill_buffer, "vkCmdFillBuffer");
   load.optional(table.cmd_begin_label, "vkCmdBeginDebugUtilsLabelEXT");
   load.optional(table.cmd_end_label, "vkCmdEndDebugUtilsLabelEXT");

@@ -32,6 +32,7 @@ struct DeviceFunctions {
   PFN_vkCmdDispatch cmd_dispatch = nullptr;
   PFN_vkCmdPipelineBarrier cmd_pipeline_barrier = nullptr;
   PFN_vkCmdCopyBuffer cmd_copy_buffer = nullptr;
+  PFN_vkCmdUpdateBuffer cmd_update_buffer = nullptr;
   PFN_vkCmdFillBuffer cmd_fill_buffer = nullptr;
   PFN_vkCmdBeginDebugUtilsLabelEXT cmd_begin_label =
       nullptr;  ///< null unless the host enabled VK_EXT_debug_utils

@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "compute/device_functions.h"
 #include "compute/device_requirements.h"
-#include "compute/recording.h"
+#include "compute/pass_buffers.h"
+#include "compute/record_upload.h"
 #include "compute/solver_data.h"
 #include "compute/solver_state.h"
 #include "kernels/shared/records.h"
@@ -40,36 +40,6 @@ LayoutLimits layout_limits(const VkPhysicalDeviceLimits& limits) {
           std::max(limits.minStorageBufferOffsetAlignment, limits.minTexelBufferOffsetAlignment)};
 }
 
-Result<MatrixFetch> choose_fetch(const SolverOptions& options, const SolverLayout& layout,
-                                 VkDeviceSize max_texels) {
-  const VkDeviceSize needed = largest_texel_buffer(layout);
-  if (options.fetch == MatrixFetch::texels && needed > max_texels) {
-    return fail(ErrorCode::no_device, "a block of the matrices needs texel buffers of " +
-                                          std::to_string(needed) + " elements, but the device has at most " +
-                                          std::to_string(max_texels));
-  }
-  return options.fetch.value_or(needed > max_texels ? MatrixFetch::storage : MatrixFetch::texels);
-}
-
-Result<void> add_pass_pipelines(Pipelines& pipelines, const Pass& pass, RowKernel row_kernel) {
-  for (const DispatchStep& step : pass) {
-    if (auto added = pipelines.add(step_kernel_id(step.kernel, row_kernel), step.format); !added)
-      return added;
-  }
-  return {};
-}
-
-Result<void> add_all_pipelines(Pipelines& pipelines, const Pass& bounce, const Pass& gather,
-                               RowKernel row_kernel) {
-  for (const KernelId kernel : {KernelId::start, KernelId::residual}) {
-    if (auto added = pipelines.add(kernel, {}); !added) return added;
-  }
-  if (auto added = add_pass_pipelines(pipelines, bounce, row_kernel); !added) return added;
-  return add_pass_pipelines(pipelines, gather, row_kernel);
-}
-
-constexpr std::uint64_t kNoLimit = ~std::uint64_t{0};
-
 Rgb floats_of(const kernels::uvec4& bits) {
   return {std::bit_cast<float>(bits.x), std::bit_cast<float>(bits.y), std::bit_cast<float>(bits.z)};
 }
@@ -90,11 +60,16 @@ std::optional<RowKernel> row_kernel_from_name(std::string_view name) {
   return std::nullopt;
 }
 
-Residual read_residual(std::span<const std::byte> bytes) {
-  kernels::ResidualRecord record{};
-  std::memcpy(&record, bytes.data(), std::min(bytes.size(), sizeof record));
-  return {floats_of(record.weighted_change), floats_of(record.change), floats_of(record.weighted_radiosity),
-          floats_of(record.radiosity)};
+std::vector<Residual> read_residuals(std::span<const std::byte> bytes) {
+  std::vector<Residual> residuals;
+  for (std::size_t at = 0; at + sizeof(kernels::ResidualRecord) <= bytes.size();
+       at += sizeof(kernels::ResidualRecord)) {
+    kernels::ResidualRecord record{};
+    std::memcpy(&record, bytes.data() + at, sizeof record);
+    residuals.push_back({floats_of(record.weighted_change), floats_of(record.change),
+                         floats_of(record.weighted_radiosity), floats_of(record.radiosity)});
+  }
+  return residuals;
 }
 
 GpuSolver::GpuSolver(std::unique_ptr<SolverState> state) : state_(std::move(state)) {}
@@ -106,31 +81,36 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
                                     const SolverOptions& options) {
   const auto limits = device_limits(host);
   if (!limits) return tl::unexpected<Error>(limits.error());
-  auto layout = solver_layout(model, layout_limits(*limits));
+  const std::uint32_t capacity =
+      options.sender_capacity > 0 ? options.sender_capacity : loaded_senders(model);
+  auto layout = solver_layout(model, capacity, layout_limits(*limits));
   if (!layout) return tl::unexpected<Error>(layout.error());
-  const auto fetch = choose_fetch(options, *layout, limits->maxTexelBufferElements);
-  if (!fetch) return tl::unexpected<Error>(fetch.error());
   auto functions = load_device_functions(host);
   if (!functions) return tl::unexpected<Error>(functions.error());
-  auto pipelines = Pipelines::create(host, *functions, *fetch);
+  auto pipelines = Pipelines::create(host, *functions);
   if (!pipelines) return tl::unexpected<Error>(pipelines.error());
-
-  const std::uint64_t slice = std::max<std::uint64_t>(options.max_dispatch_form_factors, 1);
-  Pass bounce = plan_pass(model, *layout, StepKernel::bounce, options.kernel, slice);
-  Pass gather = plan_pass(model, *layout, StepKernel::gather, options.kernel, slice);
-  if (auto added = add_all_pipelines(*pipelines, bounce, gather, options.kernel); !added) {
-    return tl::unexpected<Error>(added.error());
+  std::vector<DispatchStep> sky_nodes = plan_nodes(model.sky_tree, layout->sky_patches);
+  if (!sky_nodes.empty()) {
+    if (auto added = pipelines->add(KernelId::nodes, {}); !added) return tl::unexpected<Error>(added.error());
   }
-  return GpuSolver(std::make_unique<SolverState>(SolverState{host,
-                                                             *functions,
-                                                             options,
-                                                             limits->maxTexelBufferElements,
-                                                             std::move(*layout),
-                                                             std::move(*pipelines),
-                                                             std::move(bounce),
-                                                             std::move(gather),
-                                                             {},
-                                                             {}}));
+  const std::size_t systems = model.systems.size();
+  auto state = std::make_unique<SolverState>(SolverState{host,
+                                                         *functions,
+                                                         options,
+                                                         layout_limits(*limits),
+                                                         limits->maxTexelBufferElements,
+                                                         std::move(*layout),
+                                                         std::move(*pipelines),
+                                                         std::move(sky_nodes),
+                                                         SenderRanges(2 * capacity),
+                                                         {},
+                                                         {},
+                                                         {},
+                                                         {},
+                                                         {}});
+  state->systems.resize(systems);
+  state->traits.resize(systems);
+  return GpuSolver(std::move(state));
 }
 
 std::span<const BufferRequirement> GpuSolver::buffers() const {
@@ -138,135 +118,130 @@ std::span<const BufferRequirement> GpuSolver::buffers() const {
 }
 
 Result<void> GpuSolver::bind(std::span<const BufferRange> ranges) {
-  const std::vector<BufferRequirement>& needed = state_->layout.buffers;
-  if (ranges.size() != needed.size()) {
-    return fail(ErrorCode::usage, "bind needs " + std::to_string(needed.size()) + " buffers, found " +
-                                      std::to_string(ranges.size()));
+  if (state_->failure) return tl::unexpected<Error>(*state_->failure);
+  auto exact = fit_ranges(buffers(), ranges);
+  if (!exact) return tl::unexpected<Error>(exact.error());
+  auto sets = make_solve_sets(state_->host, state_->functions, state_->pipelines, *exact);
+  if (!sets) {
+    latch_failure(*state_, sets.error());
+    return tl::unexpected<Error>(sets.error());
   }
-  std::vector<BufferRange> exact(ranges.begin(), ranges.end());
-  for (std::size_t i = 0; i < needed.size(); ++i) {
-    if (exact[i].byte_size < needed[i].byte_size || exact[i].offset % needed[i].alignment != 0) {
-      return fail(ErrorCode::usage,
-                  "the buffer '" + needed[i].name + "' needs " + std::to_string(needed[i].byte_size) +
-                      " bytes at a multiple of " + std::to_string(needed[i].alignment) + ", found " +
-                      std::to_string(exact[i].byte_size) + " at " + std::to_string(exact[i].offset));
-    }
-    exact[i].byte_size = needed[i].byte_size;
-  }
-  auto sets = make_descriptor_sets(state_->host, state_->functions, state_->pipelines, state_->layout, exact,
-                                   state_->max_texels);
-  if (!sets) return tl::unexpected<Error>(sets.error());
-  state_->ranges = std::move(exact);
+  state_->ranges = std::move(*exact);
   state_->sets = std::move(*sets);
   return {};
 }
 
 Result<void> GpuSolver::bind(const BufferAllocator& allocate) {
-  std::vector<BufferRange> ranges;
-  for (const BufferRequirement& buffer : buffers()) {
-    auto range = allocate(buffer);
-    if (!range) return tl::unexpected<Error>(range.error());
-    ranges.push_back(*range);
-  }
-  return bind(ranges);
+  const auto ranges = allocate_ranges(buffers(), allocate);
+  if (!ranges) return tl::unexpected<Error>(ranges.error());
+  return bind(*ranges);
+}
+
+Result<std::vector<BufferRequirement>> GpuSolver::system_buffers(const Model& model,
+                                                                 std::uint32_t system) const {
+  auto layout = loadable_layout(*state_, model, system);
+  if (!layout) return tl::unexpected<Error>(layout.error());
+  return std::move(layout->buffers);
+}
+
+Result<void> GpuSolver::load(const Model& model, std::uint32_t system, std::span<const BufferRange> ranges,
+                             std::span<const Rgb> albedo) {
+  return load_system(*state_, model, system, ranges, albedo);
+}
+
+Result<void> GpuSolver::load(const Model& model, std::uint32_t system, const BufferAllocator& allocate,
+                             std::span<const Rgb> albedo) {
+  const auto needed = system_buffers(model, system);
+  if (!needed) return tl::unexpected<Error>(needed.error());
+  const auto ranges = allocate_ranges(*needed, allocate);
+  if (!ranges) return tl::unexpected<Error>(ranges.error());
+  return load(model, system, *ranges, albedo);
+}
+
+void GpuSolver::unload(std::uint32_t system) {
+  unload_system(*state_, system);
+}
+
+bool GpuSolver::loaded(std::uint32_t system) const {
+  return system < state_->systems.size() && state_->systems[system] != nullptr;
+}
+
+std::span<const SystemTraits> GpuSolver::traits() const {
+  return state_->traits;
+}
+
+FramePlan GpuSolver::plan(const Schedule& schedule, const FrameWishes& wishes) const {
+  return plan_frame(traits(), schedule, wishes);
+}
+
+FramePlan GpuSolver::plan(const Schedule& schedule, const PassWishes& wishes) const {
+  return plan_together(traits(), schedule, wishes);
 }
 
 UploadData GpuSolver::model_data(const Model& model) const {
-  return model_upload(model, state_->layout);
+  UploadData data = sky_tree_upload(model);
+  data.targets = state_->ranges;
+  return data;
 }
 
-UploadData GpuSolver::lighting_data(const Lighting& lighting, const std::vector<Rgb>& weights) const {
-  return lighting_upload(lighting, weights, state_->layout);
+UploadData GpuSolver::system_data(const Model& model, std::uint32_t system) const {
+  const LoadedSystem& loaded = *state_->systems[system];
+  UploadData data = system_upload(model, system, loaded.layout);
+  data.targets = loaded.ranges;
+  return data;
 }
 
-UploadData GpuSolver::radiosity_data(const std::vector<Rgb>& radiosity, RadiosityHalf half) const {
-  return radiosity_upload(radiosity, half == RadiosityHalf::a ? kRadiosityA : kRadiosityB);
+UploadData GpuSolver::input_data(std::uint32_t system, Quantity quantity, std::span<const Rgb> values) const {
+  UploadData data;
+  data.add_owned(0, 0, rgb_bytes(values));
+  data.targets = {input(system, quantity)};
+  return data;
+}
+
+UploadData GpuSolver::radiosity_data(std::uint32_t system, std::uint32_t half,
+                                     std::span<const Rgb> radiosity_of_clusters) const {
+  UploadData data;
+  data.add_owned(0, 0, rgb_bytes(radiosity_of_clusters));
+  data.targets = {radiosity(system, half)};
+  return data;
 }
 
 bool GpuSolver::record_upload(VkCommandBuffer commands, const UploadData& data, const Staging& staging,
                               UploadCursor& cursor) const {
-  const ScopedLabel label(state_->functions, commands, "relume upload");
-  record_barrier(state_->functions, commands, kComputeAndCopy, kTransferWrite);
-  VkDeviceSize used = 0;
-  while (cursor.piece < data.pieces.size()) {
-    const UploadPiece& piece = data.pieces[cursor.piece];
-    const VkDeviceSize bytes = std::min(piece.bytes.size() - cursor.byte, staging.range.byte_size - used);
-    if (bytes == 0 && piece.bytes.size() > cursor.byte) break;
-    if (bytes > 0) {
-      std::memcpy(staging.mapped + used, piece.bytes.data() + cursor.byte, bytes);
-      const BufferRange& target = state_->ranges[piece.buffer];
-      const VkBufferCopy copy{staging.range.offset + used, target.offset + piece.offset + cursor.byte, bytes};
-      state_->functions.cmd_copy_buffer(commands, staging.range.buffer, target.buffer, 1, &copy);
-    }
-    used += bytes;
-    cursor.byte += bytes;
-    if (cursor.byte == piece.bytes.size()) cursor = {cursor.piece + 1, 0};
-  }
-  record_barrier(state_->functions, commands, kTransferWrite, kComputeAndCopy);
-  return cursor.piece == data.pieces.size();
+  return relume::record_upload(state_->functions, commands, data.targets, data, staging, cursor);
 }
 
-RadiosityHalf GpuSolver::record_start(VkCommandBuffer commands) const {
-  const ScopedLabel label(state_->functions, commands, "relume start");
-  record_solve_kernel(*state_, commands, KernelId::start, RadiosityHalf::a);
-  record_barrier(state_->functions, commands, kComputeWrite, kComputeAndCopy);
-  return RadiosityHalf::a;
+Result<void> GpuSolver::record_frame(VkCommandBuffer commands, const FrameInputs& inputs,
+                                     const FrameOutputs& outputs) const {
+  if (auto checked = check_frame(*state_, inputs, outputs); !checked) return checked;
+  record_checked_frame(*state_, commands, inputs, outputs);
+  return {};
 }
 
-RadiosityHalf GpuSolver::record_bounces(VkCommandBuffer commands, std::uint32_t count,
-                                        RadiosityHalf from) const {
-  for (std::uint32_t i = 0; i < count; ++i) {
-    PassCursor cursor;
-    record_bounce_part(commands, from, cursor, kNoLimit);
-    from = other_half(from);
-  }
-  return from;
+void GpuSolver::latch(const Error& error) {
+  if (!state_->failure) state_->failure = error;
 }
 
-PassPart GpuSolver::record_bounce_part(VkCommandBuffer commands, RadiosityHalf from, PassCursor& cursor,
-                                       std::uint64_t max_cost) const {
-  const ScopedLabel label(state_->functions, commands, "relume bounce");
-  return record_pass_part(*state_, commands, state_->bounce, from, cursor, max_cost);
+BufferRange GpuSolver::input(std::uint32_t system, Quantity quantity) const {
+  return input_range(*state_, system, quantity);
 }
 
-void GpuSolver::record_gather(VkCommandBuffer commands, RadiosityHalf from) const {
-  PassCursor cursor;
-  record_gather_part(commands, from, cursor, kNoLimit);
-}
-
-PassPart GpuSolver::record_gather_part(VkCommandBuffer commands, RadiosityHalf from, PassCursor& cursor,
-                                       std::uint64_t max_cost) const {
-  const ScopedLabel label(state_->functions, commands, "relume gather");
-  return record_pass_part(*state_, commands, state_->gather, from, cursor, max_cost);
-}
-
-void GpuSolver::record_residual(VkCommandBuffer commands, RadiosityHalf last) const {
-  const ScopedLabel label(state_->functions, commands, "relume residual");
-  const BufferRange record = residual();
-  record_barrier(state_->functions, commands, kComputeAndCopy, kTransferWrite);
-  state_->functions.cmd_fill_buffer(commands, record.buffer, record.offset, record.byte_size, 0);
-  record_barrier(state_->functions, commands, kTransferWrite, kComputeAndCopy);
-  record_solve_kernel(*state_, commands, KernelId::residual, other_half(last));
-  record_barrier(state_->functions, commands, kComputeWrite, kComputeAndCopy);
-}
-
-std::uint64_t GpuSolver::bounce_cost() const {
-  return pass_cost(state_->bounce);
-}
-
-BufferRange GpuSolver::radiosity(RadiosityHalf half) const {
-  const BufferRange& senders = state_->ranges[half == RadiosityHalf::a ? kRadiosityA : kRadiosityB];
-  return {senders.buffer, senders.offset, state_->layout.clusters * kRgbBytes};
+BufferRange GpuSolver::radiosity(std::uint32_t system, std::uint32_t half) const {
+  const LoadedSystem& loaded = *state_->systems[system];
+  const BufferRange& senders = state_->ranges[kRadiosity];
+  return {senders.buffer, senders.offset + loaded.first_of_half(half) * kRgbBytes,
+          loaded.layout.clusters * kRgbBytes};
 }
 
 BufferRange GpuSolver::irradiance(std::uint32_t system) const {
-  const SystemLayout& layout = state_->layout.systems[system];
-  const BufferRange& whole = state_->ranges[layout.irradiance_buffer];
-  return {whole.buffer, whole.offset, layout.gather_rows * kRgbBytes};
+  const LoadedSystem& loaded = *state_->systems[system];
+  const BufferRange& whole = loaded.ranges[kIrradiance];
+  return {whole.buffer, whole.offset, loaded.layout.gather_rows * kRgbBytes};
 }
 
-BufferRange GpuSolver::residual() const {
-  return state_->ranges[kResidual];
+BufferRange GpuSolver::residuals() const {
+  const BufferRange& whole = state_->ranges[kResiduals];
+  return {whole.buffer, whole.offset, state_->layout.systems * sizeof(kernels::ResidualRecord)};
 }
 
 }  // namespace relume

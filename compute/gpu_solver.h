@@ -2,27 +2,50 @@
 //
 // The solve on a device that somebody else owns: B = M + rho (H + K b), I = G b (core/solve.h).
 //
-// The life of a solver: create; the host provides buffers() and binds them; record_upload of model_data, then
-// of lighting_data; record_start; then record_bounces, record_residual and record_gather in any number.
+// The life of a solver: create; the host provides buffers() and binds them; record_upload of model_data(). Of
+// a system: load, record_upload of system_data(), activate() it in the host's schedule. Then, every frame:
 //
-// A record function only appends copies, dispatches and barriers to a command buffer in recording state
-// (outside a render pass, for a queue that can compute). It never submits, waits or allocates, and the solver
-// remembers nothing of it, so a command buffer may be dropped, or submitted again. Record functions may be
-// called from several threads at once for different command buffers.
+//   FramePlan plan = solver.plan(schedule, {.max_form_factors = 8'000'000, .bounces = 1});
+//   solver.record_frame(commands, {.plan = &plan, .copies = what_changed}, {.publish = draw_lightmap});
+//   if (submit(commands)) schedule = std::move(plan.next);
+//
+// record_frame only appends copies, dispatches and barriers to a command buffer in recording state (outside a
+// render pass, for a queue that can compute and knows 32-bit storage buffers). It never blocks, allocates,
+// submits or reads back, and the solver remembers nothing of it: all progress is in the schedule. A command
+// buffer that is dropped has done nothing, one that is submitted must be submitted once, in the order of the
+// plans. What the host asked a dropped one to copy, it copies again.
+//
+// A frame, in this order: copies of what changed; nodes of the sky; `write_direct`, the host's own direct
+// light; the plan's bounces and gathers, from the radiosity that the last frame left; per system whose
+// outputs are complete, copies of its irradiance, then `publish`; the report.
+//
+// Frames in flight: any number. Everything on the device is shared by them and ordered by barriers, so they
+// must go to one queue (or the host orders queues by semaphores). What belongs to a frame alone is what the
+// host gives it: sources of copies, staging memory and the report, not to be touched until its fence.
+//
+// Ownership by queue families: barriers here are global memory barriers, which move nothing between families.
+// Buffers that the host creates with VK_SHARING_MODE_EXCLUSIVE must belong to the family of the command
+// buffers; a host that uploads on another family, or reads results there, records release and acquire itself.
 //
 // Synchronisation: inside a record function, and between record functions that run one after another on one
 // queue, the barriers are the solver's. At the border to everything else, begin -> end:
 //
 //   record_upload    TRANSFER write -> TRANSFER write, of the buffers that the data names
-//   record_start     COMPUTE_SHADER read -> COMPUTE_SHADER write of both radiosities
-//   record_bounces   COMPUTE_SHADER read -> COMPUTE_SHADER write of radiosity and local radiosity
-//   record_gather    COMPUTE_SHADER read -> COMPUTE_SHADER write of irradiance and local radiosity
-//   record_residual  TRANSFER write -> COMPUTE_SHADER write of the residual
+//   record_frame     TRANSFER read of the sources of copies, TRANSFER write of inputs
+//                    -> COMPUTE_SHADER write of radiosity, irradiance and residuals, TRANSFER write of
+//                    targets and report
 //
-// The ends are made visible to COMPUTE_SHADER and to TRANSFER reads, so that a host copies results out
-// without a barrier of its own; for any other stage it adds one, and one after reads of its own before the
-// solver writes again. Left behind: the bound compute pipeline, descriptor sets 0 to 2 and push constants [0,
-// 16) of the compute bind point.
+// Both begin with a barrier after, and end with one before, all COMPUTE_SHADER and TRANSFER work on the
+// queue, so that a host that reads results in these stages, or writes inputs in them before, needs none of
+// its own; for any other stage it adds one. Left behind: the bound compute pipeline, descriptor sets 0 to 2
+// and push constants [0, 16) of the compute bind point.
+//
+// Threads: plan and the record functions may be called from several threads at once for different command
+// buffers; create, bind, load and unload change the solver, and the host keeps them apart from all else.
+//
+// Failure: recording cannot fail on the device. When load runs out of memory, the solver is as it was. When a
+// device is lost, the first error stays: every further call gives it back. The host destroys the solver,
+// makes a device, and loads the same file into a new one, which gives equal results.
 //
 // What it does not do: own memory, queues or command buffers; compile kernels at run time; choose a device
 // (compute/standalone does).
@@ -33,60 +56,23 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "compute/host_device.h"
+#include "compute/schedule.h"
+#include "compute/solver_options.h"
 #include "compute/upload.h"
 #include "core/model.h"
 #include "core/result.h"
-#include "core/solve.h"
 
 namespace relume {
 
-/// How the rows of a matrix are spread over invocations. All give the same bits
-/// (kernels/include/row_product.glsl).
-enum class RowKernel : std::uint32_t { row_per_thread, row_per_8_lanes };
+class LightmapPass;
+class MaterialPass;
+class ScreenPass;
 
-/// "row_per_thread", "row_per_8_lanes".
-std::string_view row_kernel_name(RowKernel kernel);
-std::optional<RowKernel> row_kernel_from_name(std::string_view name);
-
-/// Where row products read matrices and radiosity from. All give the same bits.
-enum class MatrixFetch : std::uint32_t {
-  storage,  ///< storage buffers: every device can
-  texels,   ///< uniform texel buffers of the same bytes: 2.5 times as fast on lavapipe 22.3
-};
-
-struct SolverOptions {
-  RowKernel kernel = RowKernel::row_per_8_lanes;
-  /// No dispatch has more, unless a single row has: about 10 ms on two cores of a processor.
-  std::uint64_t max_dispatch_form_factors = 4'000'000;
-  /// Nothing: texels, if texel buffers of the device are large enough (maxTexelBufferElements).
-  std::optional<MatrixFetch> fetch{};
-};
-
-/// Radiosity lives in two halves: a bounce reads one and writes the other.
-enum class RadiosityHalf : std::uint32_t { a, b };
-
-inline RadiosityHalf other_half(RadiosityHalf half) {
-  return half == RadiosityHalf::a ? RadiosityHalf::b : RadiosityHalf::a;
-}
-
-/// How far a bounce or gather got, in dispatches. A value of the host's.
-struct PassCursor {
-  std::uint32_t next_dispatch = 0;
-};
-
-/// What a part of a bounce or gather came to.
-struct PassPart {
-  bool complete = false;   ///< the pass has no more parts
-  std::uint64_t cost = 0;  ///< form factors recorded
-};
-
-/// What the last bounce changed, as maxima over all clusters, per channel.
+/// What the last bounce of a system changed, as maxima over its clusters, per channel.
 struct Residual {
   Rgb weighted_change{0.0};     ///< |change| / weight: see ContractionBound
   Rgb change{0.0};              ///< lm/m2
@@ -94,20 +80,76 @@ struct Residual {
   Rgb radiosity{0.0};           ///< |B|, lm/m2
 };
 
-/// Reads the bytes of GpuSolver::residual().
-Residual read_residual(std::span<const std::byte> bytes);
+/// Reads the bytes of GpuSolver::residuals(): one per system, loaded or not.
+std::vector<Residual> read_residuals(std::span<const std::byte> bytes);
 
 /// Gives the host's memory for one buffer; the offset must keep its alignment. The host frees it after the
-/// solver is gone.
+/// solver, or the system that it is for, is gone.
 using BufferAllocator = std::function<Result<BufferRange>(const BufferRequirement&)>;
+
+/// What changes at run time, as four floats per element (the last is ignored).
+enum class Quantity : std::uint32_t {
+  albedo,    ///< per cluster of a system
+  exitance,  ///< per cluster, lm/m2
+  direct,    ///< H per cluster, lm/m2
+  weights,   ///< v of a contraction bound per cluster, > 0 (only the residual reads it)
+  sky,       ///< per sky patch, lm/m2 (pi x radiance); its system is the number of systems
+};
+
+/// A copy from memory of the host (usage TRANSFER_SRC), or of a kernel of the host.
+struct InputCopy {
+  Quantity quantity = Quantity::direct;
+  std::uint32_t system = 0;
+  std::uint32_t first = 0;  ///< cluster or patch
+  BufferRange source;       ///< 16 bytes an element
+};
+
+/// A copy of a system's irradiance (GpuSolver::irradiance) into memory of the host (usage TRANSFER_DST), in
+/// frames that complete it.
+struct IrradianceTarget {
+  std::uint32_t system = 0;
+  BufferRange target;  ///< 16 bytes per gather row, from row 0
+};
+
+/// Commands of the host, or of a pass of its own, for one system, in the middle of a frame: compute and
+/// transfer, between barriers as at the border of record_frame.
+using SystemRecorder = std::function<void(VkCommandBuffer, std::uint32_t system)>;
+
+/// An image that a screen shows from this frame on (compute/screen_pass.h).
+struct ScreenFrame {
+  const ScreenPass* pass = nullptr;  ///< bound to input(system, albedo) and (system, exitance)
+  std::uint32_t image = 0;
+  Rgb factor{1.0};
+};
+
+/// A lightmap that is written when its system is complete.
+struct LightmapOutput {
+  std::uint32_t system = 0;
+  const LightmapPass* pass = nullptr;  ///< bound to irradiance(system)
+};
+
+struct FrameInputs {
+  const FramePlan* plan = nullptr;
+  std::span<const InputCopy> copies{};
+  std::span<const MaterialPass* const> materials{};  ///< of systems whose states changed
+  std::span<const ScreenFrame> screens{};
+  SystemRecorder write_inputs{};  ///< for each active system: writes what input() gives, direct light say
+};
+
+struct FrameOutputs {
+  std::span<const LightmapOutput> lightmaps{};
+  std::span<const IrradianceTarget> irradiance{};
+  SystemRecorder publish{};  ///< for each system whose irradiance is complete: writes images from it
+  BufferRange report{};      ///< gets residuals(), when it has a buffer (usage TRANSFER_DST)
+};
 
 struct SolverState;
 
 class GpuSolver {
  public:
-  /// Compiles the pipelines that the model needs. The model must be valid (check_model); it is read, not
-  /// kept. Fails with no_device when the device does not meet device_requirements or cannot bind a buffer of
-  /// this size.
+  /// For models with this one's numbers of systems, sky and nodes above the systems: all models that
+  /// read_systems gives of one file. The model must be valid (check_model); it is read, not kept. Fails with
+  /// no_device when the device does not meet device_requirements or cannot bind a buffer of this size.
   static Result<GpuSolver> create(const HostDevice& host, const Model& model, const SolverOptions& options);
 
   GpuSolver(GpuSolver&&) noexcept;
@@ -115,61 +157,76 @@ class GpuSolver {
   /// No command buffer of the solver may be running.
   ~GpuSolver();
 
-  /// What the host has to provide. Valid as long as the solver. Device-local memory is best for all of it.
+  /// What the host has to provide for the whole solve. Valid as long as the solver. Device-local memory is
+  /// best for all of it.
   std::span<const BufferRequirement> buffers() const;
 
-  /// Hands over one range per entry of buffers(), in that order. To be called once, before anything is
-  /// recorded; the buffers must outlive the solver.
+  /// Hands over one range per entry of buffers(), in that order. To be called once, before all else; the
+  /// buffers must outlive the solver.
   Result<void> bind(std::span<const BufferRange> ranges);
-
   /// The same, asking for one buffer after the other.
   Result<void> bind(const BufferAllocator& allocate);
 
-  /// Matrices and import tables. Refers to `model`, which must be the one of create and outlive the data.
+  /// What system `system`, which is loaded in `model`, needs. Fails as load.
+  Result<std::vector<BufferRequirement>> system_buffers(const Model& model, std::uint32_t system) const;
+
+  /// Makes pipelines and descriptor sets of a system with one range per entry of system_buffers(). Frames in
+  /// flight do not matter. Fails with usage when it is loaded, with out_of_memory when more senders than
+  /// SolverOptions::sender_capacity are. `albedo`: see system_traits.
+  Result<void> load(const Model& model, std::uint32_t system, std::span<const BufferRange> ranges,
+                    std::span<const Rgb> albedo = {});
+  Result<void> load(const Model& model, std::uint32_t system, const BufferAllocator& allocate,
+                    std::span<const Rgb> albedo = {});
+
+  /// Lets go of a system and its ranges. It must be inactive in the schedule, and the fences of all frames
+  /// whose plans had it active must have signalled; frames of others may be in flight.
+  void unload(std::uint32_t system);
+
+  bool loaded(std::uint32_t system) const;
+
+  /// What plans need to know of each system.
+  std::span<const SystemTraits> traits() const;
+
+  /// The next frame of the host's schedule: plan_frame and plan_together with traits().
+  FramePlan plan(const Schedule& schedule, const FrameWishes& wishes) const;
+  FramePlan plan(const Schedule& schedule, const PassWishes& wishes) const;
+
+  /// What belongs to no system.
   UploadData model_data(const Model& model) const;
 
-  /// Albedo, exitance, direct irradiance, sky and the weights of a contraction bound (empty: all 1). Refers
-  /// to nothing. `lighting` must be valid (check_lighting).
-  UploadData lighting_data(const Lighting& lighting, const std::vector<Rgb>& weights) const;
+  /// Matrices, tables, and the lighting that is stored; no direct light. Refers to `model`, which must be the
+  /// one of load and outlive the data.
+  UploadData system_data(const Model& model, std::uint32_t system) const;
 
-  /// Radiosity of all clusters (lm/m2) into one half, to bounce on from. Refers to nothing.
-  UploadData radiosity_data(const std::vector<Rgb>& radiosity, RadiosityHalf half) const;
+  /// Values of a quantity from its first element on, for record_upload. Refers to nothing.
+  UploadData input_data(std::uint32_t system, Quantity quantity, std::span<const Rgb> values) const;
+
+  /// Radiosity of the clusters of a system (lm/m2) into one half, to bounce on from. Refers to nothing.
+  UploadData radiosity_data(std::uint32_t system, std::uint32_t half, std::span<const Rgb> radiosity) const;
 
   /// Copies as much of `data` as the staging memory (not empty) holds, from `cursor`, which moves on. True
-  /// when all of it is recorded.
+  /// when all of it is recorded. For loading; what changes in frames goes through FrameInputs.
   bool record_upload(VkCommandBuffer commands, const UploadData& data, const Staging& staging,
                      UploadCursor& cursor) const;
 
-  /// B0 = M + rho H. Returns the half that holds it (both do).
-  RadiosityHalf record_start(VkCommandBuffer commands) const;
+  /// The frame of a plan. Fails, with nothing recorded, with usage when the inputs name what is not there,
+  /// and with the error that the device was lost by.
+  Result<void> record_frame(VkCommandBuffer commands, const FrameInputs& inputs,
+                            const FrameOutputs& outputs) const;
 
-  /// `count` bounces from the radiosity in `from`. Returns the half that the last one wrote.
-  RadiosityHalf record_bounces(VkCommandBuffer commands, std::uint32_t count, RadiosityHalf from) const;
+  /// For a host that learns of a lost device first. The first error stays.
+  void latch(const Error& error);
 
-  /// The part of one bounce that starts at `cursor`, which moves on, and has at most `max_cost` form factors,
-  /// but at least one dispatch. The half that the bounce writes holds nothing of use until it is complete.
-  PassPart record_bounce_part(VkCommandBuffer commands, RadiosityHalf from, PassCursor& cursor,
-                              std::uint64_t max_cost) const;
-
-  /// Irradiance of all gather rows from the radiosity in `from`.
-  void record_gather(VkCommandBuffer commands, RadiosityHalf from) const;
-
-  /// The part of a gather, as record_bounce_part.
-  PassPart record_gather_part(VkCommandBuffer commands, RadiosityHalf from, PassCursor& cursor,
-                              std::uint64_t max_cost) const;
-
-  /// What the bounce that wrote `last` changed; the other half must still hold what it read.
-  void record_residual(VkCommandBuffer commands, RadiosityHalf last) const;
-
-  /// Form factors of one bounce (imports counted too).
-  std::uint64_t bounce_cost() const;
-
-  /// Where results are, as four floats per cluster of all systems (lm/m2, the last is 0), ...
-  BufferRange radiosity(RadiosityHalf half) const;
-  /// ... as four floats per gather row of a system (lumels, then sensors; lm/m2), ...
+  /// Where inputs are, for kernels of the host that write them, ...
+  BufferRange input(std::uint32_t system, Quantity quantity) const;
+  /// ... and results: four floats per cluster of a system (lm/m2, the last is 0) in the half that the
+  /// schedule says, ...
+  BufferRange radiosity(std::uint32_t system, std::uint32_t half) const;
+  /// ... four floats per gather row (lumels, then sensors; lm/m2), whole when the system was published and
+  /// until its next gather begins, ...
   BufferRange irradiance(std::uint32_t system) const;
-  /// ... and as bytes for read_residual.
-  BufferRange residual() const;
+  /// ... and bytes for read_residuals.
+  BufferRange residuals() const;
 
  private:
   explicit GpuSolver(std::unique_ptr<SolverState> state);

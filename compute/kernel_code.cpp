@@ -6,7 +6,13 @@
 #include "spirv/gather_row_per_8_lanes.h"
 #include "spirv/gather_row_per_thread.h"
 #include "spirv/import_radiosity.h"
+#include "spirv/lightmap_r11g11b10f.h"
+#include "spirv/lightmap_rgb9e5.h"
+#include "spirv/lightmap_rgba16f.h"
+#include "spirv/materials.h"
+#include "spirv/nodes.h"
 #include "spirv/residual.h"
+#include "spirv/screen.h"
 #include "spirv/start.h"
 
 namespace relume {
@@ -25,8 +31,20 @@ std::span<const std::uint32_t> kernel_code(KernelId kernel) {
       return gather_row_per_thread_spirv;
     case KernelId::gather_row_per_8_lanes:
       return gather_row_per_8_lanes_spirv;
+    case KernelId::nodes:
+      return nodes_spirv;
     case KernelId::residual:
       return residual_spirv;
+    case KernelId::lightmap_rgba16f:
+      return lightmap_rgba16f_spirv;
+    case KernelId::lightmap_r11g11b10f:
+      return lightmap_r11g11b10f_spirv;
+    case KernelId::lightmap_rgb9e5:
+      return lightmap_rgb9e5_spirv;
+    case KernelId::materials:
+      return materials_spirv;
+    case KernelId::screen:
+      return screen_spirv;
   }
   return {};
 }
@@ -45,8 +63,20 @@ const char* kernel_file_name(KernelId kernel) {
       return "gather_row_per_thread";
     case KernelId::gather_row_per_8_lanes:
       return "gather_row_per_8_lanes";
+    case KernelId::nodes:
+      return "nodes";
     case KernelId::residual:
       return "residual";
+    case KernelId::lightmap_rgba16f:
+      return "lightmap_rgba16f";
+    case KernelId::lightmap_r11g11b10f:
+      return "lightmap_r11g11b10f";
+    case KernelId::lightmap_rgb9e5:
+      return "lightmap_rgb9e5";
+    case KernelId::materials:
+      return "materials";
+    case KernelId::screen:
+      return "screen";
   }
   return "";
 }

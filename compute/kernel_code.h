@@ -4,9 +4,24 @@
 #include <cstdint>
 #include <span>
 
-#include "compute/pipelines.h"
-
 namespace relume {
+
+/// Every file kernels/*.comp.
+enum class KernelId : std::uint32_t {
+  start,
+  import_radiosity,
+  bounce_row_per_thread,
+  bounce_row_per_8_lanes,
+  gather_row_per_thread,
+  gather_row_per_8_lanes,
+  nodes,
+  residual,
+  lightmap_rgba16f,
+  lightmap_r11g11b10f,
+  lightmap_rgb9e5,
+  materials,
+  screen,
+};
 
 /// The SPIR-V of a kernel, embedded when the library was built. Valid for ever.
 std::span<const std::uint32_t> kernel_code(KernelId kernel);

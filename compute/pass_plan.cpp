@@ -2,8 +2,8 @@
 #include "compute/pass_plan.h"
 
 #include <algorithm>
+#include <utility>
 
-#include "core/sender_leaves.h"
 #include "kernels/shared/limits.h"
 
 namespace relume {
@@ -25,8 +25,8 @@ std::uint32_t slice_end(const MatrixBlock& block, std::uint32_t first, std::uint
 }
 
 /// Cuts one block between tiles; `step` carries what all its dispatches share.
-void append_block(Pass& pass, const MatrixBlock& block, DispatchStep step, RowKernel row_kernel,
-                  std::uint64_t max_form_factors) {
+void append_block(std::vector<DispatchStep>& steps, const MatrixBlock& block, DispatchStep step,
+                  RowKernel row_kernel, std::uint64_t max_form_factors) {
   const std::uint32_t rows = rows_per_workgroup(row_kernel);
   const std::uint32_t max_tiles = kernels::kMaxWorkgroups * rows / block.tile_rows;
   for (std::uint32_t tile = 0; tile + 1 < block.tile_offsets.size();) {
@@ -35,25 +35,32 @@ void append_block(Pass& pass, const MatrixBlock& block, DispatchStep step, RowKe
     step.range.count = std::min(end * block.tile_rows, block.row_count) - step.range.first_row;
     step.workgroups = (step.range.count + rows - 1) / rows;
     step.cost = std::uint64_t{block.tile_offsets[end] - block.tile_offsets[tile]} * block.tile_rows;
-    // Rows read what imports wrote, and each writes a place of its own.
-    step.barrier_before = !pass.empty() && pass.back().kernel == StepKernel::import_radiosity;
-    pass.push_back(step);
+    steps.push_back(step);
     tile = end;
   }
 }
 
-void append_imports(Pass& pass, const Model& model, const SolverLayout& layout) {
-  const LeafNumbers numbers(model);
-  for (std::uint32_t system = 0; system < layout.systems.size(); ++system) {
-    DispatchStep step;
-    step.system = system;
-    step.range.count = layout.systems[system].imports;
-    step.workgroups = (step.range.count + kernels::kRowsPerWorkgroup - 1) / kernels::kRowsPerWorkgroup;
-    for (const SenderRef& sender : model.systems[system].imports) {
-      for (const LeafRange& range : numbers.leaves_of(sender).ranges) step.cost += range.count;
-    }
-    if (step.workgroups > 0) pass.push_back(step);
+std::vector<DispatchStep> plan_rows(const BlockMatrix& matrix, RowKernel row_kernel, MatrixFetch fetch,
+                                    std::uint64_t max_form_factors) {
+  std::vector<DispatchStep> steps;
+  DispatchStep step;
+  for (step.block = 0; step.block < matrix.blocks.size(); ++step.block) {
+    const MatrixBlock& block = matrix.blocks[step.block];
+    step.format = {block.codec, block.tile_rows, fetch};
+    step.range.block_row = block.first_row;
+    append_block(steps, block, step, row_kernel, max_form_factors);
   }
+  return steps;
+}
+
+/// One dispatch over elements, each read once; its kernel strides when they are more than the workgroups.
+std::vector<DispatchStep> plan_elements(std::uint32_t count, std::uint64_t cost) {
+  if (count == 0) return {};
+  DispatchStep step;
+  step.range.count = count;
+  step.workgroups = workgroup_count(count);
+  step.cost = cost;
+  return {step};
 }
 
 }  // namespace
@@ -63,30 +70,38 @@ std::uint32_t workgroup_count(std::uint64_t threads) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(groups, kernels::kMaxWorkgroups));
 }
 
-Pass plan_pass(const Model& model, const SolverLayout& layout, StepKernel kernel, RowKernel row_kernel,
-               std::uint64_t max_form_factors) {
-  Pass pass;
-  append_imports(pass, model, layout);
-  for (std::uint32_t system = 0; system < layout.systems.size(); ++system) {
-    const BlockMatrix& matrix =
-        kernel == StepKernel::bounce ? model.systems[system].bounce : model.systems[system].gather;
+std::vector<DispatchStep> plan_nodes(const ClusterTreeNodes& tree, std::uint32_t leaves) {
+  constexpr std::uint32_t kMost = kernels::kMaxWorkgroups * kernels::kRowsPerWorkgroup;
+  const auto nodes = static_cast<std::uint32_t>(tree.nodes.size());
+  std::vector<DispatchStep> steps;
+  for (std::uint32_t first = 0; first < nodes; first += kMost) {
     DispatchStep step;
-    step.kernel = kernel;
-    step.system = system;
-    step.range.first_cluster = layout.systems[system].first_cluster;
-    for (step.block = 0; step.block < matrix.blocks.size(); ++step.block) {
-      const MatrixBlock& block = matrix.blocks[step.block];
-      step.format = {block.codec, block.tile_rows};
-      step.range.block_row = block.first_row;
-      append_block(pass, block, step, row_kernel, max_form_factors);
-    }
+    step.range = {first, std::min(kMost, nodes - first), leaves, 0};
+    step.workgroups = (step.range.count + kernels::kRowsPerWorkgroup - 1) / kernels::kRowsPerWorkgroup;
+    for (std::uint32_t i = first; i < first + step.range.count; ++i) step.cost += tree.nodes[i].count;
+    steps.push_back(step);
   }
-  return pass;
+  return steps;
 }
 
-std::uint64_t pass_cost(const Pass& pass) {
+SystemDispatches plan_dispatches(const System& system, const SystemLayout& layout, RowKernel row_kernel,
+                                 MatrixFetch fetch, std::uint64_t max_form_factors) {
+  SystemDispatches all;
+  const auto set = [&all](StepKernel kernel, std::vector<DispatchStep> steps) {
+    all[static_cast<std::size_t>(kernel)] = std::move(steps);
+  };
+  set(StepKernel::start, plan_elements(layout.clusters, layout.clusters));
+  set(StepKernel::import_radiosity, plan_elements(layout.imports, layout.imports + layout.import_parts));
+  set(StepKernel::bounce, plan_rows(system.bounce, row_kernel, fetch, max_form_factors));
+  set(StepKernel::nodes, plan_nodes(system.tree, layout.clusters));
+  set(StepKernel::residual, plan_elements(layout.clusters, layout.clusters));
+  set(StepKernel::gather, plan_rows(system.gather, row_kernel, fetch, max_form_factors));
+  return all;
+}
+
+std::uint64_t dispatch_cost(const std::vector<DispatchStep>& dispatches) {
   std::uint64_t cost = 0;
-  for (const DispatchStep& step : pass) cost += step.cost;
+  for (const DispatchStep& step : dispatches) cost += step.cost;
   return cost;
 }
 

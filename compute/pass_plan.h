@@ -1,52 +1,61 @@
 // SPDX-License-Identifier: MIT
 //
-// The dispatches of a pass, cut so that none takes long.
+// The dispatches of a system, cut so that none takes long.
 #pragma once
 
+#include <array>
 #include <compare>
 #include <cstdint>
 #include <vector>
 
-#include "compute/gpu_solver.h"
 #include "compute/solver_layout.h"
+#include "compute/solver_options.h"
 #include "core/model.h"
 #include "kernels/shared/records.h"
 
 namespace relume {
 
-enum class StepKernel : std::uint32_t { import_radiosity, bounce, gather };
+/// What a dispatch does, in the order of a pass (compute/schedule.h).
+enum class StepKernel : std::uint32_t { start, import_radiosity, bounce, nodes, residual, gather };
+inline constexpr std::size_t kStepKernels = 6;
 
 /// What a row kernel is compiled for.
 struct BlockFormat {
   ValueCodec codec = ValueCodec::f32;
   std::uint32_t tile_rows = 1;
+  MatrixFetch fetch = MatrixFetch::storage;
   friend auto operator<=>(const BlockFormat&, const BlockFormat&) = default;
 };
 
-/// One dispatch.
+/// One dispatch. What depends on the half in range is filled in when it is recorded.
 struct DispatchStep {
-  StepKernel kernel = StepKernel::import_radiosity;
   BlockFormat format{};
-  std::uint32_t system = 0;
-  std::uint32_t block = 0;  ///< of the system's bounce or gather matrix
+  std::uint32_t block = 0;  ///< of the bounce or gather matrix
   kernels::Range range{};
   std::uint32_t workgroups = 0;
-  std::uint64_t cost = 0;       ///< form factors, zeros of tiles included (leaves for an import)
-  bool barrier_before = false;  ///< it must see what earlier steps of the pass wrote
+  std::uint64_t cost =
+      0;  ///< form factors, zeros of tiles included; of other kernels, the vec4 that they read
 };
 
-using Pass = std::vector<DispatchStep>;
+/// Per kernel. Dispatches of one kernel need no barriers between them.
+using SystemDispatches = std::array<std::vector<DispatchStep>, kStepKernels>;
+
+inline const std::vector<DispatchStep>& dispatches_of(const SystemDispatches& all, StepKernel kernel) {
+  return all[static_cast<std::size_t>(kernel)];
+}
 
 /// Workgroups that give `threads` invocations, at most kernels::kMaxWorkgroups.
 std::uint32_t workgroup_count(std::uint64_t threads);
 
-/// A bounce (`kernel` bounce: rows of the bounce matrices) or a gather (rows of the gather matrices) of all
-/// systems: imports first, then rows. Rows are cut into dispatches of at most `max_form_factors` form
-/// factors, but at least one tile.
-Pass plan_pass(const Model& model, const SolverLayout& layout, StepKernel kernel, RowKernel row_kernel,
-               std::uint64_t max_form_factors);
+/// Rows are cut into dispatches of at most `max_form_factors` form factors, but at least one tile; a kernel
+/// without elements has no dispatch.
+SystemDispatches plan_dispatches(const System& system, const SystemLayout& layout, RowKernel row_kernel,
+                                 MatrixFetch fetch, std::uint64_t max_form_factors);
 
-/// Sum of the costs of a pass.
-std::uint64_t pass_cost(const Pass& pass);
+/// The dispatches that bring the nodes of a tree over `leaves` leaves up to date.
+std::vector<DispatchStep> plan_nodes(const ClusterTreeNodes& tree, std::uint32_t leaves);
+
+/// Sum of costs.
+std::uint64_t dispatch_cost(const std::vector<DispatchStep>& dispatches);
 
 }  // namespace relume

@@ -9,6 +9,7 @@
 
 #include "compute/device_functions.h"
 #include "compute/host_device.h"
+#include "compute/kernel_code.h"
 #include "compute/pass_plan.h"
 #include "compute/vulkan_handle.h"
 #include "core/block_matrix.h"
@@ -17,25 +18,13 @@
 
 namespace relume {
 
-/// Every file kernels/*.comp.
-enum class KernelId : std::uint32_t {
-  start,
-  import_radiosity,
-  bounce_row_per_thread,
-  bounce_row_per_8_lanes,
-  gather_row_per_thread,
-  gather_row_per_8_lanes,
-  residual,
-};
-
-/// The kernel that does a step of a pass.
+/// The kernel that does a step.
 KernelId step_kernel_id(StepKernel step, RowKernel row_kernel);
 
 class Pipelines {
  public:
   /// Layouts only. Everything of `host` is borrowed.
-  static Result<Pipelines> create(const HostDevice& host, const DeviceFunctions& functions,
-                                  MatrixFetch fetch);
+  static Result<Pipelines> create(const HostDevice& host, const DeviceFunctions& functions);
 
   /// Makes the pipeline of a kernel for a format, unless it is there. Kernels that decode nothing have the
   /// format {}.
@@ -50,12 +39,10 @@ class Pipelines {
   VkDescriptorSetLayout set_layout(std::uint32_t set) const { return set_layouts_[set].get(); }
 
  private:
-  Pipelines(const HostDevice& host, const DeviceFunctions& functions, MatrixFetch fetch)
-      : host_(host), functions_(functions), fetch_(fetch) {}
+  Pipelines(const HostDevice& host, const DeviceFunctions& functions) : host_(host), functions_(functions) {}
 
   HostDevice host_;
   DeviceFunctions functions_;
-  MatrixFetch fetch_;
   std::array<VulkanHandle<VkDescriptorSetLayout>, kernels::kSets> set_layouts_;
   VulkanHandle<VkPipelineLayout> layout_;
   std::map<std::pair<KernelId, BlockFormat>, VulkanHandle<VkPipeline>> pipelines_;

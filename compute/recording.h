@@ -13,14 +13,11 @@ struct StageAccess {
   VkAccessFlags access = 0;
 };
 
-inline constexpr StageAccess kComputeWrite{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT};
-inline constexpr StageAccess kComputeReadWrite{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                                               VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
-inline constexpr StageAccess kTransferWrite{VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT};
-/// Compute shaders, and copies out of what they wrote.
-inline constexpr StageAccess kComputeAndCopy{
+/// Compute shaders and transfers, reads and writes.
+inline constexpr StageAccess kComputeAndTransfer{
     VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
-    VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT};
+    VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
+        VK_ACCESS_TRANSFER_WRITE_BIT};
 
 /// What `before` did is done and visible before `after` starts.
 void record_barrier(const DeviceFunctions& functions, VkCommandBuffer commands, const StageAccess& before,

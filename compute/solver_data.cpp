@@ -2,10 +2,9 @@
 #include "compute/solver_data.h"
 
 #include <bit>
-#include <span>
 #include <utility>
 
-#include "core/sender_leaves.h"
+#include "core/sky.h"
 #include "kernels/shared/glsl_types.h"
 
 namespace relume {
@@ -27,9 +26,8 @@ std::vector<std::byte> owned_bytes(const std::vector<Element>& elements) {
 void add_blocks(UploadData& data, const BlockMatrix& matrix, const std::vector<BlockLayout>& layouts) {
   for (std::size_t i = 0; i < matrix.blocks.size(); ++i) {
     const MatrixBlock& block = matrix.blocks[i];
-    const BlockLayout& layout = layouts[i];
     const auto add = [&](std::uint32_t binding, std::span<const std::byte> bytes) {
-      data.pieces.push_back({layout.buffer, layout.sections[binding].offset, bytes});
+      data.pieces.push_back({layouts[i].buffer, layouts[i].sections[binding].offset, bytes});
     };
     add(kernels::kTileOffsetsBinding, bytes_of(block.tile_offsets));
     add(kernels::kColumnsBinding, bytes_of(block.columns));
@@ -38,83 +36,73 @@ void add_blocks(UploadData& data, const BlockMatrix& matrix, const std::vector<B
   }
 }
 
-kernels::vec4 to_device(const Rgb& value) {
-  return {static_cast<float>(value.x), static_cast<float>(value.y), static_cast<float>(value.z), 0.0f};
+std::vector<kernels::uvec4> node_records(const ClusterTreeNodes& tree) {
+  std::vector<kernels::uvec4> records;
+  for (const TreeNode& node : tree.nodes) records.push_back({node.first, node.count, node.first_share, 0});
+  return records;
 }
 
-std::vector<std::byte> device_bytes(const std::vector<Rgb>& values) {
-  std::vector<kernels::vec4> converted;
-  for (const Rgb& value : values) converted.push_back(to_device(value));
-  return owned_bytes(converted);
-}
-
-/// An import table as the device reads it (kernels/shared/bindings.h).
-struct ImportTable {
-  std::vector<kernels::uvec4> records;  ///< per import, then the ranges of nodes above the systems
-  std::vector<float> shares;
-};
-
-/// Appends the shares of the leaves.
-kernels::uvec4 range_record(const LeafRange& range, std::vector<float>& shares) {
-  const auto first = static_cast<kernels::uint>(shares.size());
-  for (std::uint32_t i = 0; i < range.count; ++i) shares.push_back(static_cast<float>(range.share_of(i)));
-  return {range.first, range.count, first, 0};
-}
-
-ImportTable import_table(const System& system, const LeafNumbers& numbers) {
-  ImportTable table;
-  std::vector<kernels::uvec4> ranges;
+/// A record per import, then the parts of nodes above the systems (kernels/shared/bindings.h).
+std::vector<kernels::uvec4> import_records(const Model& model, const System& system) {
+  const auto sky = static_cast<kernels::uint>(model.systems.size());
+  std::vector<kernels::uvec4> records, parts;
   for (const SenderRef& sender : system.imports) {
-    const SenderLeaves leaves = numbers.leaves_of(sender);
-    kernels::uvec4 record{0, 0, 0, 0};
-    if (sender.system == kSpanningNodes) {
-      record.x = static_cast<kernels::uint>(system.imports.size() + ranges.size());
-      record.w = static_cast<kernels::uint>(leaves.ranges.size());
-      for (const LeafRange& range : leaves.ranges) ranges.push_back(range_record(range, table.shares));
-    } else if (share_count(sender, leaves) > 0) {
-      record = range_record(leaves.ranges.front(), table.shares);
-    } else if (!leaves.ranges.empty()) {
-      record = {leaves.ranges.front().first, 1, 0, 0};
+    if (sender.system != kSpanningNodes) {
+      records.push_back({sender.system == kSkySystem ? sky : sender.system, sender.index, 0, 0});
+      continue;
     }
-    table.records.push_back(record);
+    const SpanningNode& node = model.top_tree[sender.index];
+    const auto first = static_cast<kernels::uint>(system.imports.size() + parts.size());
+    for (std::uint32_t p = node.first_part; p < node.first_part + node.part_count; ++p) {
+      const SpannedPart& part = model.top_parts[p];
+      parts.push_back({part.sender.system, part.sender.index, std::bit_cast<kernels::uint>(part.share), 0});
+    }
+    records.push_back({first, 0, node.part_count, 0});
   }
-  table.records.insert(table.records.end(), ranges.begin(), ranges.end());
-  return table;
+  records.insert(records.end(), parts.begin(), parts.end());
+  return records;
+}
+
+void add_stored_lighting(UploadData& data, const System& system) {
+  std::vector<Rgb> albedo, exitance;
+  for (const Cluster& cluster : system.clusters) {
+    albedo.emplace_back(cluster.albedo[0], cluster.albedo[1], cluster.albedo[2]);
+    exitance.emplace_back(cluster.exitance[0], cluster.exitance[1], cluster.exitance[2]);
+  }
+  data.add_owned(kAlbedo, 0, rgb_bytes(albedo));
+  data.add_owned(kExitance, 0, rgb_bytes(exitance));
+  data.add_owned(kDirect, 0, rgb_bytes(std::vector<Rgb>(albedo.size(), Rgb(0.0))));
+  data.add_owned(kWeights, 0, rgb_bytes(std::vector<Rgb>(albedo.size(), Rgb(1.0))));
 }
 
 }  // namespace
 
-UploadData model_upload(const Model& model, const SolverLayout& layout) {
-  UploadData data;
-  const LeafNumbers numbers(model);
-  for (std::size_t i = 0; i < model.systems.size(); ++i) {
-    const System& system = model.systems[i];
-    const ImportTable imports = import_table(system, numbers);
-    data.add_owned(layout.systems[i].imports_buffer, 0, owned_bytes(imports.records));
-    data.add_owned(layout.systems[i].import_shares_buffer, 0, owned_bytes(imports.shares));
-    add_blocks(data, system.bounce, layout.systems[i].bounce);
-    add_blocks(data, system.gather, layout.systems[i].gather);
+std::vector<std::byte> rgb_bytes(std::span<const Rgb> values) {
+  std::vector<kernels::vec4> converted;
+  converted.reserve(values.size());
+  for (const Rgb& value : values) {
+    converted.push_back(
+        {static_cast<float>(value.x), static_cast<float>(value.y), static_cast<float>(value.z), 0.0f});
   }
+  return owned_bytes(converted);
+}
+
+UploadData sky_tree_upload(const Model& model) {
+  UploadData data;
+  data.add_owned(kSkyNodes, 0, owned_bytes(node_records(model.sky_tree)));
+  data.pieces.push_back({kSkyShares, 0, bytes_of(model.sky_tree.shares)});
   return data;
 }
 
-UploadData lighting_upload(const Lighting& lighting, const std::vector<Rgb>& weights,
-                           const SolverLayout& layout) {
-  const std::vector<Rgb> ones(weights.empty() ? lighting.albedo.size() : 0, Rgb(1.0));
-  const VkDeviceSize sky = layout.clusters * kRgbBytes;
+UploadData system_upload(const Model& model, std::uint32_t index, const SystemLayout& layout) {
+  const System& system = model.systems[index];
   UploadData data;
-  data.add_owned(kAlbedo, 0, device_bytes(lighting.albedo));
-  data.add_owned(kExitance, 0, device_bytes(lighting.exitance));
-  data.add_owned(kDirect, 0, device_bytes(lighting.direct));
-  data.add_owned(kWeights, 0, device_bytes(weights.empty() ? ones : weights));
-  data.add_owned(kRadiosityA, sky, device_bytes(lighting.sky_radiosity));
-  data.add_owned(kRadiosityB, sky, device_bytes(lighting.sky_radiosity));
-  return data;
-}
-
-UploadData radiosity_upload(const std::vector<Rgb>& radiosity, SolveBuffer half) {
-  UploadData data;
-  data.add_owned(half, 0, device_bytes(radiosity));
+  data.add_owned(kImports, 0, owned_bytes(import_records(model, system)));
+  data.add_owned(kNodes, 0, owned_bytes(node_records(system.tree)));
+  data.pieces.push_back({kNodeShares, 0, bytes_of(system.tree.shares)});
+  add_stored_lighting(data, system);
+  add_blocks(data, system.bounce, layout.bounce);
+  add_blocks(data, system.gather, layout.gather);
   return data;
 }
 

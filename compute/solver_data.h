@@ -3,23 +3,25 @@
 // What a model and its lighting look like in the buffers of a solver.
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #include "compute/solver_layout.h"
 #include "compute/upload.h"
 #include "core/model.h"
-#include "core/solve.h"
+#include "core/quantities.h"
 
 namespace relume {
 
-/// See GpuSolver::model_data.
-UploadData model_upload(const Model& model, const SolverLayout& layout);
+/// Nodes and weights of the sky; buffers by SolveBuffer.
+UploadData sky_tree_upload(const Model& model);
 
-/// See GpuSolver::lighting_data.
-UploadData lighting_upload(const Lighting& lighting, const std::vector<Rgb>& weights,
-                           const SolverLayout& layout);
+/// Imports, nodes, matrices, and albedo and exitance as stored; no direct light, weights of 1. Refers to
+/// `model`. Buffers as in the layout.
+UploadData system_upload(const Model& model, std::uint32_t system, const SystemLayout& layout);
 
-/// See GpuSolver::radiosity_data.
-UploadData radiosity_upload(const std::vector<Rgb>& radiosity, SolveBuffer half);
+/// RGB values as the device stores them.
+std::vector<std::byte> rgb_bytes(std::span<const Rgb> values);
 
 }  // namespace relume

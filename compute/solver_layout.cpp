@@ -4,11 +4,18 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/sender_leaves.h"
 #include "kernels/shared/records.h"
 
 namespace relume {
 namespace {
+
+static_assert(kRadiosity == kernels::kRadiosityBinding && kFirstSender == kernels::kFirstSenderBinding &&
+              kResiduals == kernels::kResidualBinding);
+static_assert(kImports == kernels::kImportsBinding && kLocalRadiosity == kernels::kLocalRadiosityBinding &&
+              kIrradiance == kernels::kIrradianceBinding && kAlbedo == kernels::kAlbedoBinding &&
+              kExitance == kernels::kExitanceBinding && kDirect == kernels::kDirectBinding &&
+              kWeights == kernels::kWeightsBinding && kNodes == kernels::kNodesBinding &&
+              kNodeShares == kernels::kNodeSharesBinding && kSystemBuffers == kernels::kSystemBindings);
 
 constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
                                       VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
@@ -22,16 +29,17 @@ VkDeviceSize align_up(VkDeviceSize value, VkDeviceSize alignment) {
 /// Collects buffers; a buffer without elements still has some bytes, because an empty range cannot be bound.
 class BufferList {
  public:
-  BufferList(std::vector<BufferRequirement>& buffers, VkDeviceSize alignment)
-      : buffers_(buffers), alignment_(alignment) {}
+  BufferList(std::vector<BufferRequirement>& buffers, std::string owner, VkDeviceSize alignment)
+      : buffers_(buffers), owner_(std::move(owner)), alignment_(alignment) {}
 
-  std::uint32_t add(std::string name, VkDeviceSize byte_size) {
-    buffers_.push_back({std::move(name), std::max(byte_size, kEmptyBytes), alignment_, kUsage});
+  std::uint32_t add(const std::string& name, VkDeviceSize byte_size) {
+    buffers_.push_back({owner_ + name, std::max(byte_size, kEmptyBytes), alignment_, kUsage});
     return static_cast<std::uint32_t>(buffers_.size() - 1);
   }
 
  private:
   std::vector<BufferRequirement>& buffers_;
+  std::string owner_;
   VkDeviceSize alignment_;
 };
 
@@ -63,42 +71,29 @@ std::vector<BlockLayout> matrix_layout(const BlockMatrix& matrix, const std::str
   return blocks;
 }
 
-SystemLayout system_layout(const System& system, const LeafNumbers& numbers, const std::string& name,
-                           VkDeviceSize alignment, BufferList& buffers) {
-  SystemLayout layout;
-  layout.imports = static_cast<std::uint32_t>(system.imports.size());
-  for (const SenderRef& sender : system.imports) {
-    const SenderLeaves leaves = numbers.leaves_of(sender);
-    if (sender.system == kSpanningNodes)
-      layout.import_ranges += static_cast<std::uint32_t>(leaves.ranges.size());
-    layout.import_shares += share_count(sender, leaves);
-  }
-  const VkDeviceSize records = VkDeviceSize{layout.imports} + layout.import_ranges;
-  layout.gather_rows = system.gather.rows;
-  layout.imports_buffer = buffers.add(name + " imports", records * sizeof(kernels::uvec4));
-  layout.import_shares_buffer = buffers.add(name + " import shares", layout.import_shares * sizeof(float));
-  layout.local_radiosity_buffer = buffers.add(name + " local radiosity", layout.imports * kRgbBytes);
-  layout.irradiance_buffer = buffers.add(name + " irradiance", layout.gather_rows * kRgbBytes);
-  layout.bounce = matrix_layout(system.bounce, name + " bounce", alignment, buffers);
-  layout.gather = matrix_layout(system.gather, name + " gather", alignment, buffers);
-  return layout;
+/// In the order of SystemBuffer.
+void add_system_buffers(const SystemLayout& layout, BufferList& buffers) {
+  const VkDeviceSize records = VkDeviceSize{layout.imports} + layout.import_parts;
+  buffers.add("imports", records * sizeof(kernels::uvec4));
+  buffers.add("local radiosity", layout.imports * kRgbBytes);
+  buffers.add("irradiance", layout.gather_rows * kRgbBytes);
+  for (const char* name : {"albedo", "exitance", "direct", "weights"})
+    buffers.add(name, layout.clusters * kRgbBytes);
+  buffers.add("nodes", layout.nodes * sizeof(kernels::uvec4));
+  buffers.add("node shares", layout.node_leaves * sizeof(float));
 }
 
 /// In the order of SolveBuffer.
 void add_solve_buffers(const SolverLayout& layout, BufferList& buffers) {
-  const VkDeviceSize cluster_bytes = layout.clusters * kRgbBytes;
-  const VkDeviceSize sender_bytes = cluster_bytes + layout.sky_patches * kRgbBytes;
-  buffers.add("radiosity a", sender_bytes);
-  buffers.add("radiosity b", sender_bytes);
-  buffers.add("albedo", cluster_bytes);
-  buffers.add("exitance", cluster_bytes);
-  buffers.add("direct", cluster_bytes);
-  buffers.add("weights", cluster_bytes);
-  buffers.add("residual", sizeof(kernels::ResidualRecord));
+  buffers.add("radiosity", (layout.sky_senders() + 2 * VkDeviceSize{layout.sender_capacity}) * kRgbBytes);
+  buffers.add("first sender", (VkDeviceSize{layout.systems} + 1) * sizeof(std::uint32_t));
+  buffers.add("residuals", layout.systems * sizeof(kernels::ResidualRecord));
+  buffers.add("sky nodes", layout.sky_nodes * sizeof(kernels::uvec4));
+  buffers.add("sky node shares", layout.sky_node_leaves * sizeof(float));
 }
 
-Result<void> check_sizes(const SolverLayout& layout, VkDeviceSize max_range) {
-  for (const BufferRequirement& buffer : layout.buffers) {
+Result<void> check_sizes(const std::vector<BufferRequirement>& buffers, VkDeviceSize max_range) {
+  for (const BufferRequirement& buffer : buffers) {
     if (buffer.byte_size > max_range) {
       return fail(ErrorCode::no_device,
                   "the buffer '" + buffer.name + "' needs " + std::to_string(buffer.byte_size) +
@@ -108,43 +103,61 @@ Result<void> check_sizes(const SolverLayout& layout, VkDeviceSize max_range) {
   return {};
 }
 
-}  // namespace
-
-std::uint32_t share_count(const SenderRef& sender, const SenderLeaves& leaves) {
-  std::uint32_t count = 0;
-  for (const LeafRange& range : leaves.ranges) count += range.count;
-  const bool leaf = sender.system != kSpanningNodes && count == 1;
-  return leaf ? 0 : count;
+std::uint32_t count(std::size_t elements) {
+  return static_cast<std::uint32_t>(elements);
 }
 
-Result<SolverLayout> solver_layout(const Model& model, const LayoutLimits& limits) {
+}  // namespace
+
+std::uint32_t loaded_senders(const Model& model) {
+  std::size_t senders = 0;
+  for (const System& system : model.systems) senders += system.clusters.size() + system.tree.nodes.size();
+  return count(senders);
+}
+
+Result<SolverLayout> solver_layout(const Model& model, std::uint32_t sender_capacity,
+                                   const LayoutLimits& limits) {
   SolverLayout layout;
-  layout.sky_patches = static_cast<std::uint32_t>(model.sky_cells.size());
-  const std::vector<std::uint32_t> first_clusters = cluster_offsets(model);
-  layout.clusters = first_clusters.back();
-  const LeafNumbers numbers(model);
-  BufferList buffers(layout.buffers, limits.alignment);
+  layout.systems = count(model.systems.size());
+  layout.sky_patches = count(model.sky_cells.size());
+  layout.sky_nodes = count(model.sky_tree.nodes.size());
+  layout.sky_node_leaves = count(model.sky_tree.shares.size());
+  layout.sender_capacity = sender_capacity;
+  BufferList buffers(layout.buffers, "", limits.alignment);
   add_solve_buffers(layout, buffers);
-  for (const System& system : model.systems) {
-    const std::size_t index = layout.systems.size();
-    layout.systems.push_back(
-        system_layout(system, numbers, "system " + std::to_string(index), limits.alignment, buffers));
-    layout.systems.back().first_cluster = first_clusters[index];
-  }
-  if (auto checked = check_sizes(layout, limits.max_range); !checked) {
+  if (auto checked = check_sizes(layout.buffers, limits.max_range); !checked) {
     return tl::unexpected<Error>(checked.error());
   }
   return layout;
 }
 
-VkDeviceSize largest_texel_buffer(const SolverLayout& layout) {
+Result<SystemLayout> system_layout(const Model& model, std::uint32_t index, const LayoutLimits& limits) {
+  const System& system = model.systems[index];
+  SystemLayout layout;
+  layout.clusters = count(system.clusters.size());
+  layout.nodes = count(system.tree.nodes.size());
+  layout.node_leaves = count(system.tree.shares.size());
+  layout.imports = count(system.imports.size());
+  for (const SenderRef& sender : system.imports) {
+    if (sender.system == kSpanningNodes) layout.import_parts += model.top_tree[sender.index].part_count;
+  }
+  layout.gather_rows = system.gather.rows;
+  BufferList buffers(layout.buffers, "system " + std::to_string(index) + " ", limits.alignment);
+  add_system_buffers(layout, buffers);
+  layout.bounce = matrix_layout(system.bounce, "bounce", limits.alignment, buffers);
+  layout.gather = matrix_layout(system.gather, "gather", limits.alignment, buffers);
+  if (auto checked = check_sizes(layout.buffers, limits.max_range); !checked) {
+    return tl::unexpected<Error>(checked.error());
+  }
+  return layout;
+}
+
+VkDeviceSize largest_texel_buffer(const SystemLayout& layout) {
   VkDeviceSize bytes = 0;
-  for (const SystemLayout& system : layout.systems) {
-    for (const auto* blocks : {&system.bounce, &system.gather}) {
-      for (const BlockLayout& block : *blocks) {
-        bytes = std::max({bytes, block.sections[kernels::kColumnsBinding].byte_size,
-                          block.sections[kernels::kValuesBinding].byte_size});
-      }
+  for (const auto* blocks : {&layout.bounce, &layout.gather}) {
+    for (const BlockLayout& block : *blocks) {
+      bytes = std::max({bytes, block.sections[kernels::kColumnsBinding].byte_size,
+                        block.sections[kernels::kValuesBinding].byte_size});
     }
   }
   return bytes / sizeof(std::uint32_t);

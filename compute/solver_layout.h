@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Where everything of a model lies on a device, and which dispatches make up a pass: plain numbers, no Vulkan
-// objects.
+// Where everything of a model lies on a device: plain numbers, no Vulkan objects.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -14,7 +13,6 @@
 #include "compute/host_device.h"
 #include "core/model.h"
 #include "core/result.h"
-#include "core/sender_leaves.h"
 #include "kernels/shared/bindings.h"
 
 namespace relume {
@@ -25,16 +23,28 @@ struct LayoutLimits {
   VkDeviceSize alignment = 256;                      ///< of storage and texel buffer offsets, a power of two
 };
 
-/// Buffers of the whole solve come first, in this order.
+/// Buffers of the whole solve. The first ones are the bindings of kSolveSet, in their order.
 enum SolveBuffer : std::uint32_t {
-  kRadiosityA,
-  kRadiosityB,
+  kRadiosity,
+  kFirstSender,
+  kResiduals,
+  kSkyNodes,
+  kSkyShares,
+  kSolveBuffers
+};
+
+/// Buffers of a system: the bindings of kSystemSet, in their order; those of its blocks follow.
+enum SystemBuffer : std::uint32_t {
+  kImports,
+  kLocalRadiosity,
+  kIrradiance,
   kAlbedo,
   kExitance,
   kDirect,
   kWeights,
-  kResidual,
-  kSolveBuffers,
+  kNodes,
+  kNodeShares,
+  kSystemBuffers,
 };
 
 /// A part of a buffer.
@@ -46,41 +56,51 @@ struct Section {
 /// A block of a matrix: one buffer with four sections, in the order of the bindings of
 /// kernels/shared/bindings.h.
 struct BlockLayout {
-  std::uint32_t buffer = 0;
+  std::uint32_t buffer = 0;  ///< of the system
   std::array<Section, kernels::kBlockBindings> sections;
 };
 
 struct SystemLayout {
-  std::uint32_t first_cluster = 0;  ///< among the clusters of all systems
+  std::uint32_t clusters = 0;
+  std::uint32_t nodes = 0;
+  std::uint32_t node_leaves = 0;  ///< of all nodes together
   std::uint32_t imports = 0;
-  std::uint32_t import_ranges = 0;  ///< records after those of the imports: ranges of nodes above the systems
+  std::uint32_t import_parts = 0;  ///< records after those of the imports: parts of nodes above the systems
   std::uint32_t gather_rows = 0;
-  std::uint32_t import_shares = 0;  ///< of the leaves of imports that are nodes
-  std::uint32_t imports_buffer = 0;
-  std::uint32_t import_shares_buffer = 0;
-  std::uint32_t local_radiosity_buffer = 0;
-  std::uint32_t irradiance_buffer = 0;
+  std::vector<BufferRequirement> buffers;
   std::vector<BlockLayout> bounce;
   std::vector<BlockLayout> gather;
+
+  /// Of one half of its radiosity.
+  std::uint32_t senders() const { return clusters + nodes; }
 };
 
 struct SolverLayout {
-  std::uint32_t clusters = 0;  ///< of all systems; also the number of the first sky patch among senders
+  std::uint32_t systems = 0;  ///< loaded or not
   std::uint32_t sky_patches = 0;
+  std::uint32_t sky_nodes = 0;
+  std::uint32_t sky_node_leaves = 0;  ///< of all nodes together
+  std::uint32_t sender_capacity = 0;  ///< senders of all systems that are loaded at a time, in one half
   std::vector<BufferRequirement> buffers;
-  std::vector<SystemLayout> systems;
+
+  /// The sky comes first in the radiosity buffer, then room for two halves of every sender.
+  std::uint32_t sky_senders() const { return sky_patches + sky_nodes; }
 };
 
 /// Bytes of an RGB quantity per element on the device (vec4).
 inline constexpr VkDeviceSize kRgbBytes = 16;
 
+/// Senders of the systems that are loaded in `model`.
+std::uint32_t loaded_senders(const Model& model);
+
 /// Fails with no_device when a buffer is larger than `max_range`. The model must be valid (check_model).
-Result<SolverLayout> solver_layout(const Model& model, const LayoutLimits& limits);
+Result<SolverLayout> solver_layout(const Model& model, std::uint32_t sender_capacity,
+                                   const LayoutLimits& limits);
 
-/// Shares that an import has on the device: none for a leaf, which is copied.
-std::uint32_t share_count(const SenderRef& sender, const SenderLeaves& leaves);
+/// The same for one system, which is loaded in `model`.
+Result<SystemLayout> system_layout(const Model& model, std::uint32_t system, const LayoutLimits& limits);
 
-/// Elements of the largest texel buffer of a block.
-VkDeviceSize largest_texel_buffer(const SolverLayout& layout);
+/// Elements of the largest texel buffer of a system.
+VkDeviceSize largest_texel_buffer(const SystemLayout& layout);
 
 }  // namespace relume

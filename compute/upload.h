@@ -16,7 +16,7 @@
 namespace relume {
 
 struct UploadPiece {
-  std::uint32_t buffer = 0;  ///< index into GpuSolver::buffers()
+  std::uint32_t buffer = 0;  ///< number among those of whoever it goes to
   VkDeviceSize offset = 0;   ///< in it
   std::span<const std::byte> bytes;
 };
@@ -29,8 +29,11 @@ struct UploadData {
 
   /// Adds a piece of bytes that the data keeps.
   void add_owned(std::uint32_t buffer, VkDeviceSize offset, std::vector<std::byte> bytes);
+  /// Adds the pieces and targets of `other`, which has targets.
+  void append(UploadData other);
 
   std::vector<UploadPiece> pieces;
+  std::vector<BufferRange> targets;  ///< by number; empty: whoever records knows them
   std::vector<std::vector<std::byte>> owned;
 };
 

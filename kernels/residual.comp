@@ -1,23 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// What the last bounce changed: maxima over all clusters, first in the workgroup, then over all of them.
+// What the last bounce of a system changed: maxima over its clusters, first in the workgroup, then over all of them.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 
+#include "include/radiosity.glsl"
 #include "include/range.glsl"
-#include "shared/bindings.h"
 
-layout(set = kSolveSet, binding = kRadiosityInBinding, std430) readonly restrict buffer RadiosityIn {
-  vec4 radiosity_in[];
-};
-layout(set = kSolveSet, binding = kRadiosityOutBinding, std430) readonly restrict buffer RadiosityOut {
-  vec4 radiosity_out[];
-};
-layout(set = kSolveSet, binding = kWeightsBinding, std430) readonly restrict buffer Weights {
+layout(set = kSystemSet, binding = kWeightsBinding, std430) readonly restrict buffer Weights {
   vec4 weights[];
 };
 layout(set = kSolveSet, binding = kResidualBinding, std430) restrict buffer Residual {
-  ResidualRecord residual;
+  ResidualRecord residuals[];
 };
 
 const uint kMaxima = 12u;
@@ -30,18 +24,18 @@ void raise_group_maxima(uint first, vec3 values) {
 }
 
 void raise_record() {
-  atomicMax(residual.weighted_change.x, group_maxima[0]);
-  atomicMax(residual.weighted_change.y, group_maxima[1]);
-  atomicMax(residual.weighted_change.z, group_maxima[2]);
-  atomicMax(residual.change.x, group_maxima[3]);
-  atomicMax(residual.change.y, group_maxima[4]);
-  atomicMax(residual.change.z, group_maxima[5]);
-  atomicMax(residual.weighted_radiosity.x, group_maxima[6]);
-  atomicMax(residual.weighted_radiosity.y, group_maxima[7]);
-  atomicMax(residual.weighted_radiosity.z, group_maxima[8]);
-  atomicMax(residual.radiosity.x, group_maxima[9]);
-  atomicMax(residual.radiosity.y, group_maxima[10]);
-  atomicMax(residual.radiosity.z, group_maxima[11]);
+  atomicMax(residuals[range.block_row].weighted_change.x, group_maxima[0]);
+  atomicMax(residuals[range.block_row].weighted_change.y, group_maxima[1]);
+  atomicMax(residuals[range.block_row].weighted_change.z, group_maxima[2]);
+  atomicMax(residuals[range.block_row].change.x, group_maxima[3]);
+  atomicMax(residuals[range.block_row].change.y, group_maxima[4]);
+  atomicMax(residuals[range.block_row].change.z, group_maxima[5]);
+  atomicMax(residuals[range.block_row].weighted_radiosity.x, group_maxima[6]);
+  atomicMax(residuals[range.block_row].weighted_radiosity.y, group_maxima[7]);
+  atomicMax(residuals[range.block_row].weighted_radiosity.z, group_maxima[8]);
+  atomicMax(residuals[range.block_row].radiosity.x, group_maxima[9]);
+  atomicMax(residuals[range.block_row].radiosity.y, group_maxima[10]);
+  atomicMax(residuals[range.block_row].radiosity.z, group_maxima[11]);
 }
 
 void main() {
@@ -50,8 +44,9 @@ void main() {
   barrier();
   const uint step_size = gl_NumWorkGroups.x * kWorkgroupSize;
   for (uint cluster = gl_GlobalInvocationID.x; cluster < range.count; cluster += step_size) {
-    const vec3 after = abs(radiosity_out[cluster].rgb);
-    const vec3 change = abs(radiosity_out[cluster].rgb - radiosity_in[cluster].rgb);
+    const vec3 after = abs(radiosity[range.first_sender + cluster].rgb);
+    const vec3 before = abs(radiosity[range.first_row + cluster].rgb);
+    const vec3 change = abs(after - before);
     raise_group_maxima(0u, change / weights[cluster].rgb);
     raise_group_maxima(3u, change);
     raise_group_maxima(6u, after / weights[cluster].rgb);

@@ -10,6 +10,7 @@
 
 #include "precompute/store_matrices.h"
 #include "scene/surface_color.h"
+#include "scene/texture_triangles.h"
 
 namespace relume {
 namespace {
@@ -92,7 +93,7 @@ void store_charts(const ModelParts& parts, const SystemLayout& layout, System& s
 Occluders make_occluders(const ModelParts& parts) {
   const Geometry& geometry = parts.geometry;
   Occluders occluders{
-      geometry.positions, geometry.triangles, geometry.material, geometry.node, {}, {}, {}, {}};
+      geometry.positions, geometry.triangles, geometry.material, geometry.node, {}, {}, {}, {}, {}};
   occluders.opacity = geometry.opacity.stored();
   occluders.system.assign(geometry.triangles.size(), kNone);
   occluders.front_uv.assign(3 * geometry.triangles.size(), glm::vec2(0.0f));
@@ -212,6 +213,7 @@ Result<Model> assemble_model(const ModelParts& parts, ValueCodec codec, double m
   model.nodes = std::move(hash.nodes);
   model.geometry_hash = hash.total;
   model.occluders = make_occluders(parts);
+  model.occluders.texture = texture_triangles(parts.scene, emits);
   store_colors(parts.scene, max_albedo, model, report);
   return model;
 }

@@ -26,20 +26,37 @@ bool has_validation_layer() {
   });
 }
 
-VkResult create_instance(ValidationLog* log, VkInstance& instance) {
+/// What each kind of validation turns on and off.
+VkValidationFeaturesEXT features_of(ValidationKind kind) {
+  static constexpr VkValidationFeatureEnableEXT kSynchronization =
+      VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+  static constexpr VkValidationFeatureEnableEXT kGpuAssisted[] = {
+      VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT,
+      VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT};
+  static constexpr VkValidationFeatureDisableEXT kOthers = VK_VALIDATION_FEATURE_DISABLE_CORE_CHECKS_EXT;
+  auto features = vulkan_info<VkValidationFeaturesEXT>(VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT);
+  if (kind == ValidationKind::gpu_assisted) {
+    features.enabledValidationFeatureCount = 2;
+    features.pEnabledValidationFeatures = kGpuAssisted;
+    features.disabledValidationFeatureCount = 1;
+    features.pDisabledValidationFeatures = &kOthers;
+  } else {
+    features.enabledValidationFeatureCount = 1;
+    features.pEnabledValidationFeatures = &kSynchronization;
+  }
+  return features;
+}
+
+VkResult create_instance(ValidationKind kind, ValidationLog& log, VkInstance& instance) {
   auto application = vulkan_info<VkApplicationInfo>(VK_STRUCTURE_TYPE_APPLICATION_INFO);
   application.pApplicationName = "relume";
   application.apiVersion = DeviceRequirements{}.api_version;
   auto info = vulkan_info<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
   info.pApplicationInfo = &application;
-  if (log == nullptr) return vkCreateInstance(&info, nullptr, &instance);
+  if (kind == ValidationKind::none) return vkCreateInstance(&info, nullptr, &instance);
 
-  const VkValidationFeatureEnableEXT synchronization =
-      VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
-  auto features = vulkan_info<VkValidationFeaturesEXT>(VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT);
-  features.enabledValidationFeatureCount = 1;
-  features.pEnabledValidationFeatures = &synchronization;
-  VkDebugUtilsMessengerCreateInfoEXT messenger = log->messenger_info();
+  const VkValidationFeaturesEXT features = features_of(kind);
+  VkDebugUtilsMessengerCreateInfoEXT messenger = log.messenger_info();
   messenger.pNext = &features;
   const char* const extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
                                     VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
@@ -95,10 +112,11 @@ std::string lower_case(std::string text) {
 
 }  // namespace
 
-Result<Instance> Instance::create(bool validation, ValidationLog& log) {
-  const bool validating = validation && has_validation_layer();
+Result<Instance> Instance::create(ValidationKind validation, ValidationLog& log) {
+  if (!has_validation_layer()) validation = ValidationKind::none;
+  const bool validating = validation != ValidationKind::none;
   Instance instance;
-  const VkResult result = create_instance(validating ? &log : nullptr, instance.instance_);
+  const VkResult result = create_instance(validation, log, instance.instance_);
   if (result != VK_SUCCESS) {
     return tl::unexpected<Error>(vulkan_error(result, "creating a Vulkan instance"));
   }

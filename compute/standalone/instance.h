@@ -13,11 +13,13 @@
 
 namespace relume {
 
+enum class ValidationKind { none, core_and_synchronization, gpu_assisted };
+
 /// Owns an instance and, when validating, the messenger that feeds `log`.
 class Instance {
  public:
   /// `log` must outlive the instance. Without the Khronos layer, validation is left out.
-  static Result<Instance> create(bool validation, ValidationLog& log);
+  static Result<Instance> create(ValidationKind validation, ValidationLog& log);
 
   Instance(Instance&& other) noexcept;
   Instance& operator=(Instance&&) = delete;

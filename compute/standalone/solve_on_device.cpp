@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "compute/standalone/solver_session.h"
-#include "core/sender_leaves.h"
 
 namespace relume {
 namespace {
@@ -56,33 +55,34 @@ std::uint32_t longest_row(const Model& model) {
   return longest;
 }
 
-/// Additions on the way of one term into the mean of the largest node that is imported, as a lane makes them;
-/// 0: all senders are leaves.
+/// Additions on the way of one term into the mean of the largest node of a tree, as a lane makes them; 0: no
+/// system imports a node.
 std::uint32_t longest_mean(const Model& model) {
-  const LeafNumbers numbers(model);
   std::uint32_t longest = 0;
-  for (const System& system : model.systems) {
-    for (const SenderRef& sender : system.imports) {
-      const SenderLeaves leaves = numbers.leaves_of(sender);
-      std::uint32_t terms = sender.system == kSpanningNodes ? std::uint32_t(leaves.ranges.size()) : 0;
-      std::uint32_t of_range = 0;
-      for (const LeafRange& range : leaves.ranges) of_range = std::max(of_range, (range.count + 7) / 8);
-      terms += of_range;
-      const bool leaf =
-          leaves.ranges.size() == 1 && leaves.ranges[0].count == 1 && leaves.missing_share == 0.0;
-      if (!leaf) longest = std::max(longest, terms);
-    }
-  }
+  const auto raise = [&longest](const ClusterTreeNodes& tree) {
+    for (const TreeNode& node : tree.nodes) longest = std::max(longest, (node.count + 7) / 8);
+  };
+  raise(model.sky_tree);
+  for (const System& system : model.systems) raise(system.tree);
   return longest;
+}
+
+/// Parts of the largest node above the systems.
+std::uint32_t most_parts(const Model& model) {
+  std::uint32_t most = 0;
+  for (const SpanningNode& node : model.top_tree) most = std::max(most, node.part_count);
+  return most;
 }
 
 /// Roundings of one bounce, each at most 2^-24 of its result: the product of an entry, the additions of its
 /// lane, 3 of the tree, 3 of the scale, 3 of B = M + albedo (H + I), 2 of the stored albedo and exitance or
-/// direct irradiance. Of the mean of a node: the stored weight, its product, the additions of its lane, 3 of
-/// the tree, 2 of the scale.
-double rounding_of_bounce(std::uint32_t row_entries, std::uint32_t mean_terms) {
-  const double of_node = mean_terms > 0 ? mean_terms + 7.0 : 0.0;
-  return (std::ceil(row_entries / 8.0) + 12.0 + of_node) * 0x1p-24;
+/// direct irradiance. Of the mean of a node: the stored share, its product, the additions of its lane, 3 of
+/// the tree. Of a node above the systems: the stored share, its product, an addition a part.
+double rounding_of_bounce(const Model& model) {
+  const std::uint32_t terms = longest_mean(model), parts = most_parts(model);
+  const double of_node = terms > 0 ? terms + 5.0 : 0.0;
+  const double of_spanning = parts > 0 ? parts + 2.0 : 0.0;
+  return (std::ceil(longest_row(model) / 8.0) + 12.0 + of_node + of_spanning) * 0x1p-24;
 }
 
 bool finite(const Residual& residual) {
@@ -116,12 +116,12 @@ class BounceLoop {
       : session_(session), contraction_(contraction), rounding_(rounding), rule_(rule), options_(options) {}
 
   Result<void> run(DeviceSolution& out) {
-    if (auto started = session_.start(); !started) return failed(started.error());
+    if (auto started = session_.run({.restart = true}); !started) return failed(started.error());
     if (rule_.max_bounces == 0) return look_at_start(out);
     ProgressWatch watch;
     while (out.solution.bounces < rule_.max_bounces) {
       const std::uint32_t count = std::min(bounces_per_look(), rule_.max_bounces - out.solution.bounces);
-      auto times = session_.bounce(count);
+      auto times = session_.run({.bounces = count, .residual = true});
       if (!times) return failed(times.error());
       out.seconds.gpu_bounces += times->gpu_seconds;
       out.solution.bounces += count;
@@ -143,7 +143,8 @@ class BounceLoop {
  private:
   /// B0 is the result; one bounce more shows how far it is from the end.
   Result<void> look_at_start(DeviceSolution& out) {
-    if (auto bounced = session_.bounce(1); !bounced) return failed(bounced.error());
+    if (auto bounced = session_.run({.bounces = 1, .residual = true}); !bounced)
+      return failed(bounced.error());
     auto residual = look(out);
     if (!residual) return failed(residual.error());
     if (auto start = read(session_.read_previous_radiosity(), out); !start) return start;
@@ -152,14 +153,14 @@ class BounceLoop {
       residual->radiosity = glm::max(residual->radiosity, radiosity);
     }
     book(*residual, Rgb(1.0), out);
-    if (auto restarted = session_.start(); !restarted) return failed(restarted.error());
+    if (auto restarted = session_.run({.restart = true}); !restarted) return failed(restarted.error());
     return {};
   }
 
   /// A look costs a wait, so small bounces share one.
   std::uint32_t bounces_per_look() const {
     const std::uint64_t most = rule_.tolerance > 0.0 ? 8 : 64;
-    const std::uint64_t cost = std::max<std::uint64_t>(session_.solver().bounce_cost(), 1);
+    const std::uint64_t cost = std::max<std::uint64_t>(session_.bounce_cost(), 1);
     return static_cast<std::uint32_t>(
         std::clamp<std::uint64_t>(options_.max_submit_form_factors / cost, 1, most));
   }
@@ -203,7 +204,7 @@ RowKernel choose_kernel(const StandaloneDevice& device, const DeviceSolveOptions
 
 Result<void> gather(SolverSession& session, DeviceSolution& out) {
   Stopwatch watch;
-  const auto times = session.gather();
+  const auto times = session.run({.gather = true});
   if (!times) return failed(times.error());
   out.seconds.gather = watch.lap();
   out.seconds.gpu_gather = times->gpu_seconds;
@@ -219,9 +220,7 @@ Result<ContractionBound> bound_on_device(SolverSession& session, const Lighting&
   const std::vector<Rgb> black(lighting.albedo.size(), Rgb(0.0));
   const std::vector<Rgb> black_sky(lighting.sky_radiosity.size(), Rgb(0.0));
   const Lighting unlit{lighting.albedo, black, black, black_sky};
-  if (auto uploaded = session.upload(session.solver().lighting_data(unlit, {})); !uploaded) {
-    return failed(uploaded.error());
-  }
+  if (auto lit = session.light(unlit, {}); !lit) return failed(lit.error());
   const auto multiply = [&session](const std::vector<Rgb>& v) { return session.multiply(v); };
   auto bound = contraction_bound(multiply, lighting.albedo, rounding + 0x1p-24);
   if (!bound) return bound;
@@ -244,19 +243,15 @@ Result<DeviceSolution> solve_on_device(StandaloneDevice& device, const Model& mo
   out.device = device.name();
   out.kernel = row_kernel_name(kernel);
   out.device_bytes = session->device_bytes();
-  out.seconds.create = watch.lap();
-  if (auto uploaded = session->upload(session->solver().model_data(model)); !uploaded) {
-    return failed(uploaded.error());
-  }
-  out.seconds.upload = watch.lap();
+  out.seconds.upload = session->upload_seconds();
+  out.seconds.create = watch.lap() - out.seconds.upload;
 
-  const double rounding = rounding_of_bounce(longest_row(model), longest_mean(model));
+  const double rounding = rounding_of_bounce(model);
   const auto contraction = bound_on_device(*session, lighting, rounding);
   if (!contraction) return failed(contraction.error());
   out.seconds.contraction = watch.lap();
 
-  auto uploaded = session->upload(session->solver().lighting_data(lighting, contraction->weights));
-  if (!uploaded) return failed(uploaded.error());
+  if (auto lit = session->light(lighting, contraction->weights); !lit) return failed(lit.error());
   BounceLoop loop(*session, *contraction, rounding, rule, options);
   if (auto bounced = loop.run(out); !bounced) return failed(bounced.error());
   out.seconds.bounces = watch.lap();

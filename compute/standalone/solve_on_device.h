@@ -41,7 +41,8 @@ struct DeviceSolution {
   /// As solve_reference gives it. `error_bound` is of the iteration: what bounces not done would change.
   Solution solution;
   /// What 32-bit rounding can do on top, at worst, relative to max |B|: (ceil(n / 8) + 12) 2^-24 max(B / v) /
-  /// (1 - q), n: the longest row; with nodes of at most m leaves ceil(m / 8) + 7 more.
+  /// (1 - q), n: the longest row; with nodes of at most m leaves ceil(m / 8) + 7 more, with nodes of p parts
+  /// above the systems p + 4 more.
   double rounding_bound = 0.0;
   /// The tolerance was not reached because rounding keeps the residual from falling further.
   bool limited_by_rounding = false;

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <numeric>
+#include <span>
 
 #include "compute/vulkan_info.h"
 
@@ -31,12 +33,22 @@ void add(SubmitTimes& sum, const SubmitTimes& times) {
 
 }  // namespace
 
+SolverSession::SolverSession(StandaloneDevice& device, const Model& model, const SessionLimits& limits,
+                             GpuSolver solver)
+    : device_(&device),
+      first_cluster_(cluster_offsets(model)),
+      limits_(limits),
+      schedule_(make_schedule(model.systems.size(), 0.0)),
+      arena_(device),
+      solver_(std::move(solver)) {}
+
 Result<SolverSession> SolverSession::create(StandaloneDevice& device, const Model& model,
                                             const SolverOptions& options, const SessionLimits& limits) {
   auto solver = GpuSolver::create(device.host(), model, options);
   if (!solver) return tl::unexpected<Error>(solver.error());
-  SolverSession session(device, static_cast<std::uint32_t>(model.systems.size()), limits, std::move(*solver));
+  SolverSession session(device, model, limits, std::move(*solver));
   if (auto provided = session.provide_memory(); !provided) return tl::unexpected<Error>(provided.error());
+  if (auto loaded = session.load(model); !loaded) return tl::unexpected<Error>(loaded.error());
   return session;
 }
 
@@ -54,6 +66,32 @@ Result<void> SolverSession::provide_memory() {
   return {};
 }
 
+Result<void> SolverSession::load(const Model& model) {
+  const auto allocate = [this](const BufferRequirement& requirement) { return arena_.allocate(requirement); };
+  UploadData data = solver_.model_data(model);
+  for (std::uint32_t system = 0; system < model.systems.size(); ++system) {
+    if (!model.systems[system].loaded) continue;
+    if (auto loaded = solver_.load(model, system, allocate); !loaded) return loaded;
+    data.append(solver_.system_data(model, system));
+    activate(solver_.traits(), schedule_, system);
+  }
+  const auto uploaded = upload(data);
+  if (!uploaded) return tl::unexpected<Error>(uploaded.error());
+  upload_seconds_ = uploaded->seconds;
+  return {};
+}
+
+std::uint64_t SolverSession::bounce_cost() const {
+  std::uint64_t cost = 0;
+  for (const SystemTraits& traits : solver_.traits()) {
+    for (const StepKernel kernel : {StepKernel::import_radiosity, StepKernel::bounce, StepKernel::nodes}) {
+      const std::vector<std::uint64_t>& costs = traits.costs[static_cast<std::size_t>(kernel)];
+      cost = std::accumulate(costs.begin(), costs.end(), cost);
+    }
+  }
+  return cost;
+}
+
 Result<SubmitTimes> SolverSession::upload(const UploadData& data) {
   SubmitTimes sum;
   UploadCursor cursor;
@@ -69,111 +107,133 @@ Result<SubmitTimes> SolverSession::upload(const UploadData& data) {
   return sum;
 }
 
-Result<std::vector<Rgb>> SolverSession::multiply(const std::vector<Rgb>& v) {
-  latest_ = RadiosityHalf::a;
-  if (auto uploaded = upload(solver_.radiosity_data(v, latest_)); !uploaded) {
-    return tl::unexpected<Error>(uploaded.error());
+Result<void> SolverSession::light(const Lighting& lighting, const std::vector<Rgb>& weights) {
+  const std::vector<Rgb> ones(weights.empty() ? lighting.albedo.size() : 0, Rgb(1.0));
+  const std::pair<Quantity, std::span<const Rgb>> quantities[] = {
+      {Quantity::albedo, lighting.albedo},
+      {Quantity::exitance, lighting.exitance},
+      {Quantity::direct, lighting.direct},
+      {Quantity::weights, weights.empty() ? ones : weights},
+  };
+  const auto systems = static_cast<std::uint32_t>(first_cluster_.size() - 1);
+  UploadData data = solver_.input_data(systems, Quantity::sky, lighting.sky_radiosity);
+  for (std::uint32_t system = 0; system < systems; ++system) {
+    if (!solver_.loaded(system)) continue;
+    const std::size_t first = first_cluster_[system], count = first_cluster_[system + 1] - first;
+    for (const auto& [quantity, values] : quantities)
+      data.append(solver_.input_data(system, quantity, values.subspan(first, count)));
   }
-  if (auto bounced = bounce(1); !bounced) return tl::unexpected<Error>(bounced.error());
+  if (auto uploaded = upload(data); !uploaded) return tl::unexpected<Error>(uploaded.error());
+  return {};
+}
+
+Result<std::vector<Rgb>> SolverSession::multiply(const std::vector<Rgb>& v) {
+  UploadData data;
+  for (std::uint32_t system = 0; system + 1 < first_cluster_.size(); ++system) {
+    if (!solver_.loaded(system)) continue;
+    const std::size_t first = first_cluster_[system], count = first_cluster_[system + 1] - first;
+    data.append(
+        solver_.radiosity_data(system, schedule_.systems[system].half, std::span(v).subspan(first, count)));
+    schedule_.systems[system].started = true;
+  }
+  if (auto uploaded = upload(data); !uploaded) return tl::unexpected<Error>(uploaded.error());
+  if (auto bounced = run({.bounces = 1}); !bounced) return tl::unexpected<Error>(bounced.error());
   return read_radiosity();
 }
 
-Result<SubmitTimes> SolverSession::start() {
-  return device_->submit([this](VkCommandBuffer commands) { latest_ = solver_.record_start(commands); },
-                         limits_.timeout_seconds);
-}
-
-Result<SubmitTimes> SolverSession::bounce(std::uint32_t count) {
+Result<SubmitTimes> SolverSession::run(PassWishes wishes) {
+  wishes.max_form_factors = limits_.max_submit_form_factors;
   SubmitTimes sum;
-  PassCursor cursor;
-  const auto record = [&](VkCommandBuffer commands) {
-    std::uint64_t budget = limits_.max_submit_form_factors;
-    while (count > 0) {
-      const PassPart part = solver_.record_bounce_part(commands, latest_, cursor, budget);
-      budget -= std::min(budget, part.cost);
-      if (!part.complete) return;
-      latest_ = other_half(latest_);
-      cursor = {};
-      --count;
-      if (budget < solver_.bounce_cost()) return;
+  for (bool complete = false; !complete;) {
+    FramePlan plan = solver_.plan(schedule_, wishes);
+    Result<void> recorded;
+    auto times = device_->submit(
+        [&](VkCommandBuffer commands) { recorded = solver_.record_frame(commands, {.plan = &plan}, {}); },
+        limits_.timeout_seconds);
+    if (!recorded) return tl::unexpected<Error>(recorded.error());
+    if (!times) {
+      solver_.latch(times.error());
+      return times;
     }
-  };
-  while (count > 0) {
-    auto times = device_->submit(record, limits_.timeout_seconds);
-    if (!times) return times;
     add(sum, *times);
+    complete = plan.pass_complete;
+    schedule_ = std::move(plan.next);
   }
   return sum;
 }
 
 Result<Residual> SolverSession::residual() {
-  const BufferRange from = solver_.residual();
-  auto times = device_->submit(
-      [&](VkCommandBuffer commands) {
-        solver_.record_residual(commands, latest_);
-        record_copy_to_host(commands, from, {readback_.buffer.get(), 0, from.byte_size});
-      },
-      limits_.timeout_seconds);
-  if (!times) return tl::unexpected<Error>(times.error());
-  return read_residual({readback_.mapped, from.byte_size});
-}
-
-Result<SubmitTimes> SolverSession::gather() {
-  SubmitTimes sum;
-  PassCursor cursor;
-  for (bool done = false; !done;) {
-    auto times = device_->submit(
-        [&](VkCommandBuffer commands) {
-          done =
-              solver_.record_gather_part(commands, latest_, cursor, limits_.max_submit_form_factors).complete;
-        },
-        limits_.timeout_seconds);
-    if (!times) return times;
-    add(sum, *times);
+  const auto bytes = read(solver_.residuals());
+  if (!bytes) return tl::unexpected<Error>(bytes.error());
+  Residual all;
+  const std::vector<Residual> residuals = read_residuals(*bytes);
+  for (std::uint32_t system = 0; system < residuals.size(); ++system) {
+    if (!solver_.loaded(system)) continue;
+    // NaN must not get lost in a maximum.
+    const auto raise = [](Rgb& most, const Rgb& value) {
+      for (int c = 0; c < 3; ++c) most[c] = value[c] <= most[c] ? most[c] : value[c];
+    };
+    raise(all.weighted_change, residuals[system].weighted_change);
+    raise(all.change, residuals[system].change);
+    raise(all.weighted_radiosity, residuals[system].weighted_radiosity);
+    raise(all.radiosity, residuals[system].radiosity);
   }
-  return sum;
+  return all;
 }
 
 Result<std::vector<Rgb>> SolverSession::read_radiosity() {
-  return read_radiosity(latest_);
+  return read_radiosity(true);
 }
 
 Result<std::vector<Rgb>> SolverSession::read_previous_radiosity() {
-  return read_radiosity(other_half(latest_));
+  return read_radiosity(false);
 }
 
-Result<std::vector<Rgb>> SolverSession::read_radiosity(RadiosityHalf half) {
+Result<std::vector<Rgb>> SolverSession::read_radiosity(bool latest) {
   std::vector<Rgb> values;
-  if (auto read = append_rgb(solver_.radiosity(half), values); !read)
-    return tl::unexpected<Error>(read.error());
+  for (std::uint32_t system = 0; system < schedule_.systems.size(); ++system) {
+    if (!solver_.loaded(system)) continue;
+    const std::uint32_t half = schedule_.systems[system].half;
+    auto read = append_rgb(solver_.radiosity(system, latest ? half : 1 - half), values);
+    if (!read) return tl::unexpected<Error>(read.error());
+  }
   return values;
 }
 
 Result<std::vector<Rgb>> SolverSession::read_irradiance() {
   std::vector<Rgb> values;
-  for (std::uint32_t system = 0; system < systems_; ++system) {
+  for (std::uint32_t system = 0; system < schedule_.systems.size(); ++system) {
+    if (!solver_.loaded(system)) continue;
     auto read = append_rgb(solver_.irradiance(system), values);
     if (!read) return tl::unexpected<Error>(read.error());
   }
   return values;
 }
 
-Result<void> SolverSession::append_rgb(const BufferRange& range, std::vector<Rgb>& values) {
-  using Texel = std::array<float, 4>;
+Result<std::vector<std::byte>> SolverSession::read(const BufferRange& range) {
+  std::vector<std::byte> bytes;
   for (VkDeviceSize begin = 0; begin < range.byte_size; begin += kTransferBytes) {
-    const VkDeviceSize bytes = std::min(kTransferBytes, range.byte_size - begin);
+    const VkDeviceSize count = std::min(kTransferBytes, range.byte_size - begin);
     auto times = device_->submit(
         [&](VkCommandBuffer commands) {
-          record_copy_to_host(commands, {range.buffer, range.offset + begin, bytes},
-                              {readback_.buffer.get(), 0, bytes});
+          record_copy_to_host(commands, {range.buffer, range.offset + begin, count},
+                              {readback_.buffer.get(), 0, count});
         },
         limits_.timeout_seconds);
     if (!times) return tl::unexpected<Error>(times.error());
-    for (VkDeviceSize at = 0; at < bytes; at += sizeof(Texel)) {
-      Texel texel{};
-      std::memcpy(&texel, readback_.mapped + at, sizeof texel);
-      values.emplace_back(texel[0], texel[1], texel[2]);
-    }
+    bytes.insert(bytes.end(), readback_.mapped, readback_.mapped + count);
+  }
+  return bytes;
+}
+
+Result<void> SolverSession::append_rgb(const BufferRange& range, std::vector<Rgb>& values) {
+  using Texel = std::array<float, 4>;
+  const auto bytes = read(range);
+  if (!bytes) return tl::unexpected<Error>(bytes.error());
+  for (std::size_t at = 0; at < bytes->size(); at += sizeof(Texel)) {
+    Texel texel{};
+    std::memcpy(&texel, bytes->data() + at, sizeof texel);
+    values.emplace_back(texel[0], texel[1], texel[2]);
   }
   return {};
 }

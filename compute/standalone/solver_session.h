@@ -23,32 +23,32 @@ struct SessionLimits {
 
 class SolverSession {
  public:
-  /// The device must outlive the session.
+  /// All systems of `model` that are loaded. The device must outlive the session.
   static Result<SolverSession> create(StandaloneDevice& device, const Model& model,
                                       const SolverOptions& options, const SessionLimits& limits);
 
   const GpuSolver& solver() const { return solver_; }
   std::uint64_t device_bytes() const { return arena_.byte_size(); }
+  double upload_seconds() const { return upload_seconds_; }  ///< of the matrices
+  std::uint64_t bounce_cost() const;  ///< form factors of one bounce of all systems
 
   Result<SubmitTimes> upload(const UploadData& data);
 
+  /// Lighting of all systems, and the weights of a contraction bound (empty: all 1). Arrays as in
+  /// core/solve.h.
+  Result<void> light(const Lighting& lighting, const std::vector<Rgb>& weights);
+
   /// rho K v on the device, by a bounce of a scene without light of its own: `lighting` is that of the last
-  /// upload, with exitance, direct irradiance and sky black. What was the latest radiosity is lost.
+  /// light(), with exitance, direct irradiance and sky black. What was the latest radiosity is lost.
   Result<std::vector<Rgb>> multiply(const std::vector<Rgb>& v);
 
-  /// B0, which becomes the latest radiosity.
-  Result<SubmitTimes> start();
+  /// The systems together, in as many submissions as the limits ask for (its own limit is not looked at).
+  Result<SubmitTimes> run(PassWishes wishes);
 
-  /// `count` bounces from the latest radiosity, in as many submissions as the limits ask for.
-  Result<SubmitTimes> bounce(std::uint32_t count);
-
-  /// What the last bounce changed.
+  /// What the last bounce changed, over all systems; after run() with PassWishes::residual.
   Result<Residual> residual();
 
-  /// Irradiance from the latest radiosity.
-  Result<SubmitTimes> gather();
-
-  /// Latest radiosity of the clusters of all systems, or that of the half which the last bounce read.
+  /// Latest radiosity of the clusters of all systems, or that which the last bounce read.
   Result<std::vector<Rgb>> read_radiosity();
   Result<std::vector<Rgb>> read_previous_radiosity();
 
@@ -56,18 +56,19 @@ class SolverSession {
   Result<std::vector<Rgb>> read_irradiance();
 
  private:
-  SolverSession(StandaloneDevice& device, std::uint32_t systems, const SessionLimits& limits,
-                GpuSolver solver)
-      : device_(&device), systems_(systems), limits_(limits), arena_(device), solver_(std::move(solver)) {}
+  SolverSession(StandaloneDevice& device, const Model& model, const SessionLimits& limits, GpuSolver solver);
 
   Result<void> provide_memory();
-  Result<std::vector<Rgb>> read_radiosity(RadiosityHalf half);
+  Result<void> load(const Model& model);
+  Result<std::vector<Rgb>> read_radiosity(bool latest);
+  Result<std::vector<std::byte>> read(const BufferRange& range);
   Result<void> append_rgb(const BufferRange& range, std::vector<Rgb>& values);
 
   StandaloneDevice* device_;
-  std::uint32_t systems_;
+  std::vector<std::uint32_t> first_cluster_;  ///< per system, and the total
   SessionLimits limits_;
-  RadiosityHalf latest_ = RadiosityHalf::a;
+  double upload_seconds_ = 0.0;
+  Schedule schedule_;
   // The solver goes before the memory that it is bound to.
   DeviceArena arena_;
   DeviceBuffer staging_;

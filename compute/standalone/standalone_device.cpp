@@ -58,6 +58,11 @@ Result<DeviceHandle> create_device(VkPhysicalDevice physical_device, std::uint32
   return DeviceHandle(device);
 }
 
+ValidationKind validation_kind(const StandaloneOptions& options) {
+  if (!options.validation) return ValidationKind::none;
+  return options.gpu_assisted ? ValidationKind::gpu_assisted : ValidationKind::core_and_synchronization;
+}
+
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -192,7 +197,7 @@ StandaloneDevice::~StandaloneDevice() = default;
 
 Result<StandaloneDevice> StandaloneDevice::create(const StandaloneOptions& options) {
   auto log = std::make_unique<ValidationLog>();
-  auto instance = Instance::create(options.validation, *log);
+  auto instance = Instance::create(validation_kind(options), *log);
   if (!instance) return tl::unexpected<Error>(instance.error());
   const auto physical_device = choose_physical_device(instance->get(), options.device_name);
   if (!physical_device) return tl::unexpected<Error>(physical_device.error());

@@ -20,6 +20,9 @@ namespace relume {
 struct StandaloneOptions {
   /// Core and synchronization validation by the Khronos layer, if it is installed.
   bool validation = false;
+  /// With validation, instead of those two: the layer checks in the kernels themselves that they stay inside
+  /// their buffers. A pass of its own, because it is slow and gets on with the others badly.
+  bool gpu_assisted = false;
   /// Part of a device's name, upper or lower case; empty: discrete before integrated before virtual before
   /// processor.
   std::string device_name{};

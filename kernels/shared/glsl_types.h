@@ -10,6 +10,7 @@
 
 #define RELUME_SHARED_BEGIN namespace relume::kernels {
 #define RELUME_SHARED_END }
+#define RELUME_SHARED_FUNCTION inline
 
 namespace relume::kernels {
 using uint = std::uint32_t;
@@ -24,6 +25,7 @@ static_assert(sizeof(vec4) == 16 && sizeof(uvec4) == 16);
 #else
 #define RELUME_SHARED_BEGIN
 #define RELUME_SHARED_END
+#define RELUME_SHARED_FUNCTION
 #endif
 
 #endif

@@ -58,4 +58,20 @@ Result<void> check_opacity(const Opacity& opacity, std::size_t triangles) {
   return {};
 }
 
+Result<void> check_texture(const std::vector<TextureTriangle>& texture, std::size_t triangles) {
+  std::uint64_t next = 0;
+  for (const TextureTriangle& listed : texture) {
+    if (listed.triangle >= triangles || listed.triangle < next) {
+      return broken_model("texture coordinates: expected ascending triangles below {}, found {}", triangles,
+                          listed.triangle);
+    }
+    next = std::uint64_t{listed.triangle} + 1;
+    for (const glm::vec2& corner : listed.corners) {
+      if (finite(corner)) continue;
+      return broken_model("texture coordinates of triangle {}: expected finite numbers", listed.triangle);
+    }
+  }
+  return {};
+}
+
 }  // namespace relume

@@ -221,6 +221,7 @@ std::optional<Result<void>> read_model_section(const Section& section, Model& mo
   if (id == kOpacityMaps) return read_array(section, occluders.opacity.maps);
   if (id == kOpacityTexels) return read_array(section, occluders.opacity.texels);
   if (id == kOpacityTriangles) return read_array(section, occluders.opacity.triangles);
+  if (id == kTextureTriangles) return read_array(section, occluders.texture);
   if (id != kSensorNames) return std::nullopt;
   return read_records<std::string>(section, model.sensor_names,
                                    [](ByteReader& reader) { return reader.take_string(); });

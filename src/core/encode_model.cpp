@@ -103,6 +103,7 @@ void add_occluders(const Occluders& occluders, SectionWriter& file) {
   file.add_array(kOpacityMaps, kNone, occluders.opacity.maps);
   file.add_array(kOpacityTexels, kNone, occluders.opacity.texels);
   file.add_array(kOpacityTriangles, kNone, occluders.opacity.triangles);
+  file.add(kTextureTriangles, kNone, std::as_bytes(std::span(occluders.texture)), kSectionOptional);
 }
 
 void add_matrix(const BlockMatrix& matrix, std::string_view id, std::uint32_t owner, SectionWriter& file) {

@@ -180,6 +180,15 @@ struct NodeRecord {
   std::uint64_t geometry_hash = 0;  ///< of what the precompute depends on
 };
 
+/// Where a triangle lies in the images of its material: texture coordinates of its corners (1 = the whole image), after any
+/// transform; of its emission texture, or else its base colour texture, or else TEXCOORD_0. Stored.
+struct TextureTriangle {
+  std::uint32_t triangle = 0;  ///< index into the triangles of the scene
+  std::array<glm::vec2, 3> corners{};
+  friend bool operator==(const TextureTriangle&, const TextureTriangle&) = default;
+};
+static_assert(sizeof(TextureTriangle) == 28);
+
 /// The triangles that block light: all of the static scene, for shadows at run time, textures and pictures.
 struct Occluders {
   std::vector<glm::vec3> positions;
@@ -193,6 +202,8 @@ struct Occluders {
   std::vector<glm::vec2> front_uv;
   std::vector<glm::vec2> back_uv;
   Opacity opacity;  ///< of the triangles that let light through
+  /// Ascending by triangle: those that have texture coordinates and a material with a texture, or one that may emit.
+  std::vector<TextureTriangle> texture;
 };
 
 /// A perspective camera for previews.

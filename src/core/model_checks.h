@@ -23,6 +23,9 @@ bool are_shares(std::span<const float> values);
 /// The promises of core/opacity.h, over so many triangles.
 Result<void> check_opacity(const Opacity& opacity, std::size_t triangles);
 
+/// Texture coordinates of ascending triangles, of so many.
+Result<void> check_texture(const std::vector<TextureTriangle>& texture, std::size_t triangles);
+
 /// A cluster, sky patch or node that there is. Whether a system that is not loaded has it is not known.
 Result<void> check_sender(const Model& model, const SenderRef& sender, const std::string& owner);
 

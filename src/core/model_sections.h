@@ -28,6 +28,7 @@ inline constexpr std::string_view kOccluderBackUv = "OBUV";
 inline constexpr std::string_view kOpacityMaps = "OAMP";
 inline constexpr std::string_view kOpacityTexels = "OATX";
 inline constexpr std::string_view kOpacityTriangles = "OATR";
+inline constexpr std::string_view kTextureTriangles = "OTEX";
 
 inline constexpr std::string_view kSystem = "SYST";
 inline constexpr std::string_view kClusters = "CLUS";

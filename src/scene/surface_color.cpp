@@ -7,14 +7,12 @@
 #include <glm/geometric.hpp>
 #include <set>
 
+#include "core/piece_samples.h"
+
 namespace relume {
 namespace {
 
-using Corners = std::array<glm::vec2, 3>;
-
-constexpr double kSamplesPerTexel = 8.0;
-constexpr double kMinSamples = 16.0;
-constexpr double kMaxSamples = 256.0;
+using Corners = PieceCorners;
 
 const SceneSurface& surface_of(const Scene& scene, std::uint32_t triangle) {
   const auto after = std::upper_bound(
@@ -99,39 +97,10 @@ struct ColoredTriangle {
   }
 };
 
-/// Point i of the R2 sequence (M. Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018),
-/// folded into the triangle.
-glm::dvec2 sample_point(std::uint32_t i, const Corners& corners) {
-  double u = std::fmod(0.5 + 0.7548776662466927 * (i + 1), 1.0);
-  double v = std::fmod(0.5 + 0.5698402909980532 * (i + 1), 1.0);
-  if (u + v > 1.0) {
-    u = 1.0 - u;
-    v = 1.0 - v;
-  }
-  const glm::dvec2 a(corners[0]);
-  return a + u * (glm::dvec2(corners[1]) - a) + v * (glm::dvec2(corners[2]) - a);
-}
-
 std::uint32_t sample_count(const ColoredTriangle& triangle, const Corners& corners) {
   const double texels = std::max(triangle.texels(triangle.material.base_color_texture, corners),
                                  triangle.texels(triangle.material.emission_texture, corners));
-  const double wanted = kSamplesPerTexel * texels;
-  return static_cast<std::uint32_t>(wanted < kMaxSamples ? std::max(wanted, kMinSamples) : kMaxSamples);
-}
-
-/// Share of its triangle that a piece covers: twice its area in barycentric coordinates.
-double piece_share(const Corners& corners) {
-  const glm::dvec2 a = glm::dvec2(corners[1]) - glm::dvec2(corners[0]);
-  const glm::dvec2 b = glm::dvec2(corners[2]) - glm::dvec2(corners[0]);
-  return std::abs(a.x * b.y - a.y * b.x);
-}
-
-double triangle_area(const Occluders& occluders, std::uint32_t triangle) {
-  const auto& corners = occluders.triangles[triangle];
-  const glm::dvec3 a(occluders.positions[corners[0]]);
-  const glm::dvec3 b(occluders.positions[corners[1]]);
-  const glm::dvec3 c(occluders.positions[corners[2]]);
-  return glm::length(glm::cross(b - a, c - a)) / 2.0;
+  return piece_sample_count(texels);
 }
 
 struct ColorMean {
@@ -184,7 +153,7 @@ SurfaceColor mean_color(const Scene& scene, std::uint32_t triangle, const Corner
   ColorMean solid, all;
   const std::uint32_t count = sample_count(colored, corners);
   for (std::uint32_t i = 0; i < count; ++i) {
-    const SurfaceColor color = colored.at(sample_point(i, corners));
+    const SurfaceColor color = colored.at(piece_sample(i, corners));
     solid.add(color, color.coverage);
     all.add(color, 1.0);
   }

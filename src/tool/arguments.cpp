@@ -244,6 +244,10 @@ class Parser {
     add_number(command, "--missing-radiosity", solve_.missing_radiosity, kRadiosity,
                "The most that a surface of a system not loaded has (default: the most of those loaded)");
     add_lighting(command, solve_.lighting);
+    add_choice(
+        command, "--ktx2", {"rgba16f", "r11g11b10f", "rgb9e5"},
+        [this](std::size_t k) { solve_.ktx2 = static_cast<LightmapFormat>(k); },
+        "Lightmaps also as .ktx2, for engines to load");
     add_solver(command, solve_.solver, true);
     std::vector<std::string> methods{"auto"};
     methods.insert(methods.end(), method_names().begin(), method_names().end());

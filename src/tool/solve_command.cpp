@@ -79,7 +79,8 @@ Result<int> run(const SolveArguments& arguments, Console& console) {
   }
 
   OutputFolder folder(arguments.output);
-  const auto made = make_solve_outputs(*model, *setup, outcome->solution, outcome->gathered, folder, console);
+  const auto made = make_solve_outputs(*model, *setup, outcome->solution, outcome->gathered, arguments.ktx2,
+                                       folder, console);
   if (!made) return tl::unexpected(made.error());
   if (const Result<void> written = folder.write(); !written) return tl::unexpected(written.error());
 

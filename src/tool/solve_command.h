@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "compute/lightmap_format.h"
 #include "core/solve.h"
 #include "tool/console.h"
 #include "tool/lighting_setup.h"
@@ -18,6 +19,7 @@ struct SolveArguments {
   std::filesystem::path output;
   std::vector<std::string> systems;         ///< the only ones to load; empty: all
   std::optional<double> missing_radiosity;  ///< lm/m2, the most that a surface of the others has
+  std::optional<LightmapFormat> ktx2;       ///< lightmaps as .ktx2 as well
   LightingOptions lighting;
   SolverChoice solver;
   StopRule rule;

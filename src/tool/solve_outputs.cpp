@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "tool/auto_camera.h"
+#include "tool/ktx2.h"
 #include "tool/lightmap_image.h"
 #include "tool/model_glb.h"
 #include "tool/preview.h"
@@ -20,30 +21,33 @@ std::span<const Rgb> lumels_of(const Model& model, std::size_t s, std::span<cons
   return gather_rows.subspan(gather_offsets(model)[s], model.systems[s].lumels.size());
 }
 
-Result<void> add_lightmap(const System& system, std::span<const Rgb> lumels, const std::string& name,
-                          OutputFolder& folder, Console& console) {
+/// `stem`.exr, and `stem`.ktx2 when a format for it is asked for.
+Result<void> add_lightmap(const System& system, std::span<const Rgb> lumels, const std::string& stem,
+                          std::optional<LightmapFormat> ktx2, OutputFolder& folder, Console& console) {
   const auto too_bright = std::count_if(lumels.begin(), lumels.end(), [](const Rgb& value) {
     return std::max({value.x, value.y, value.z}) > double{kLargestHalf};
   });
   if (too_bright > 0) {
-    console.warn(fmt::format("{}: {} lumels above {} lux were clamped to what half precision holds.", name,
-                             too_bright, kLargestHalf));
+    console.warn(fmt::format("{}.exr: {} lumels above {} lux were clamped to what half precision holds.",
+                             stem, too_bright, kLargestHalf));
   }
-  return folder.add(name, encode_exr(lightmap_image(system, lumels)));
+  const ColorImage image = lightmap_image(system, lumels);
+  if (ktx2) folder.add(stem + ".ktx2", encode_ktx2(image, *ktx2));
+  return folder.add(stem + ".exr", encode_exr(image));
 }
 
 Result<void> add_lightmaps(const Model& model, std::span<const Rgb> direct, std::span<const Rgb> indirect,
-                           OutputFolder& folder, Console& console) {
+                           std::optional<LightmapFormat> ktx2, OutputFolder& folder, Console& console) {
   const std::vector<std::string> names = system_file_names(model);
   for (std::size_t s = 0; s < model.systems.size(); ++s) {
     const System& system = model.systems[s];
     if (system.lightmap_width == 0) continue;
     const std::string stem = "lightmaps/" + names[s];
     const auto first =
-        add_lightmap(system, lumels_of(model, s, direct), stem + ".direct.exr", folder, console);
+        add_lightmap(system, lumels_of(model, s, direct), stem + ".direct", ktx2, folder, console);
     if (!first) return first;
     const auto second =
-        add_lightmap(system, lumels_of(model, s, indirect), stem + ".indirect.exr", folder, console);
+        add_lightmap(system, lumels_of(model, s, indirect), stem + ".indirect", ktx2, folder, console);
     if (!second) return second;
   }
   folder.add("lightmaps.json", lightmaps_json(model));
@@ -93,9 +97,10 @@ Result<void> add_pictures(const Model& model, const LightingSetup& setup, const 
 }  // namespace
 
 Result<void> make_solve_outputs(const Model& model, const LightingSetup& setup, const Solution& solution,
-                                const std::vector<Rgb>& indirect, OutputFolder& folder, Console& console) {
+                                const std::vector<Rgb>& indirect, std::optional<LightmapFormat> ktx2,
+                                OutputFolder& folder, Console& console) {
   const std::vector<Rgb>& direct = setup.gather_direct;
-  if (const auto added = add_lightmaps(model, direct, indirect, folder, console); !added) return added;
+  if (const auto added = add_lightmaps(model, direct, indirect, ktx2, folder, console); !added) return added;
   folder.add("clusters.csv", clusters_csv(model, setup.lighting, solution.radiosity));
   folder.add("sensors.csv", sensors_csv(model, direct, indirect));
   std::vector<Rgb> irradiance(direct);

@@ -12,12 +12,19 @@
 
 namespace relume::test {
 
-/// A device with core and synchronization validation. Any message of the layer fails the test, unless the
+/// Whether this program is the pass with GPU-assisted validation; else core and synchronization.
+#ifdef RELUME_GPU_ASSISTED
+inline constexpr bool kGpuAssisted = true;
+#else
+inline constexpr bool kGpuAssisted = false;
+#endif
+
+/// A device with validation. Any message of the layer fails the test, unless the
 /// test expects it.
 class DeviceTest : public testing::Test {
  protected:
   void SetUp() override {
-    auto made = StandaloneDevice::create({.validation = true});
+    auto made = StandaloneDevice::create({.validation = true, .gpu_assisted = kGpuAssisted});
     if (!made && made.error().code == ErrorCode::no_device) GTEST_SKIP() << made.error().message;
     ASSERT_TRUE(made) << made.error().message;
     device_.emplace(std::move(*made));

@@ -6,6 +6,7 @@
 
 #include "compute/device_fixture.h"
 #include "compute/fake_host.h"
+#include "compute/guest_solver.h"
 #include "compute/standalone/standalone_memory.h"
 #include "compute/test_models.h"
 
@@ -69,16 +70,9 @@ TEST_F(DeviceFixture, CatchesASolverWithoutItsBarriers) {
   const Model model = random_model({}, 1);
   HostDevice host = device().host();
   host.get_instance_proc_addr = get_proc_addr_without_barriers;
-  auto solver = GpuSolver::create(host, model, {});
-  ASSERT_TRUE(solver) << solver.error().message;
-  DeviceArena arena(device());
-  ASSERT_TRUE(
-      solver->bind([&](const BufferRequirement& requirement) { return arena.allocate(requirement); }));
-  const auto submitted = device().submit([&](VkCommandBuffer commands) {
-    const RadiosityHalf start = solver->record_start(commands);
-    solver->record_bounces(commands, 1, start);
-  });
-  EXPECT_TRUE(submitted) << submitted.error().message;
+  const Lighting lighting = random_lighting(model, 2);
+  Guest guest(device(), host, model, lighting);
+  guest.together({.restart = true, .bounces = 1});
   EXPECT_THAT(device().validation_messages(), Contains(HasSubstr("SYNC-HAZARD-READ-AFTER-WRITE")));
 }
 

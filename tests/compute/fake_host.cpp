@@ -23,6 +23,28 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_without_barriers(VkDevice device
   return vkGetDeviceProcAddr(device, name);
 }
 
+VKAPI_ATTR void VKAPI_CALL write_short_ranges(VkDevice device, std::uint32_t count,
+                                              const VkWriteDescriptorSet* writes, std::uint32_t,
+                                              const VkCopyDescriptorSet*) {
+  for (std::uint32_t i = 0; i < count; ++i) {
+    VkWriteDescriptorSet write = writes[i];
+    std::vector<VkDescriptorBufferInfo> buffers;
+    if (write.pBufferInfo != nullptr) {
+      buffers.assign(write.pBufferInfo, write.pBufferInfo + write.descriptorCount);
+      for (VkDescriptorBufferInfo& buffer : buffers) buffer.range = 16;
+      write.pBufferInfo = buffers.data();
+    }
+    vkUpdateDescriptorSets(device, 1, &write, 0, nullptr);
+  }
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_of_short_ranges(VkDevice device, const char* name) {
+  if (std::strcmp(name, "vkUpdateDescriptorSets") == 0) {
+    return reinterpret_cast<PFN_vkVoidFunction>(write_short_ranges);
+  }
+  return vkGetDeviceProcAddr(device, name);
+}
+
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_without_fill(VkDevice device, const char* name) {
   return std::strcmp(name, "vkCmdFillBuffer") == 0 ? nullptr : vkGetDeviceProcAddr(device, name);
 }
@@ -58,14 +80,22 @@ GuardedMemory::GuardedMemory(const StandaloneDevice& device, VkDeviceSize byte_s
 }
 
 Result<BufferRange> GuardedMemory::allocate(const BufferRequirement& requirement) {
-  const VkDeviceSize end = ranges_.empty() ? 0 : ranges_.back().offset + ranges_.back().byte_size;
-  const VkDeviceSize offset =
-      (end + kGap + requirement.alignment - 1) / requirement.alignment * requirement.alignment;
-  if ((requirement.usage & ~usage_) != 0 || offset + requirement.byte_size + kGap > buffer_.byte_size) {
+  VkDeviceSize end = 0;
+  auto place = ranges_.begin();
+  const auto offset = [&] {
+    return (end + kGap + requirement.alignment - 1) / requirement.alignment * requirement.alignment;
+  };
+  for (; place != ranges_.end() && offset() + requirement.byte_size + kGap > place->offset; ++place)
+    end = place->offset + place->byte_size;
+  if ((requirement.usage & ~usage_) != 0 || offset() + requirement.byte_size + kGap > buffer_.byte_size) {
     return fail(ErrorCode::out_of_memory, "the fake host has no memory for '" + requirement.name + "'");
   }
-  ranges_.push_back({buffer_.buffer.get(), offset, requirement.byte_size});
-  return ranges_.back();
+  return *ranges_.insert(place, {buffer_.buffer.get(), offset(), requirement.byte_size});
+}
+
+void GuardedMemory::release(const BufferRange& range) {
+  std::erase_if(ranges_, [&](const BufferRange& other) { return other.offset == range.offset; });
+  std::fill_n(buffer_.mapped + range.offset, range.byte_size, kGuard);
 }
 
 std::span<const std::byte> GuardedMemory::bytes(const BufferRange& range) const {
@@ -116,22 +146,37 @@ void* CountingCallbacks::allocate(void* self, std::size_t size, std::size_t alig
   ++counter.living_;
   ++counter.made_;
   const std::size_t whole = std::max(alignment, sizeof(void*));
-  return std::aligned_alloc(whole, (size + whole - 1) / whole * whole);
+  void* memory = std::aligned_alloc(whole, (size + whole - 1) / whole * whole);
+  counter.sizes_[memory] = size;
+  counter.living_bytes_ += size;
+  return memory;
 }
 
 void* CountingCallbacks::reallocate(void* self, void* original, std::size_t size, std::size_t alignment,
                                     VkSystemAllocationScope scope) {
-  if (original == nullptr) return allocate(self, size, alignment, scope);
-  return std::realloc(original, size);
+  void* memory = allocate(self, size, alignment, scope);
+  if (original == nullptr) return memory;
+  auto& counter = *static_cast<CountingCallbacks*>(self);
+  std::memcpy(memory, original, std::min(size, counter.sizes_[original]));
+  release(self, original);
+  return memory;
 }
 
 void CountingCallbacks::release(void* self, void* memory) {
-  if (memory != nullptr) --static_cast<CountingCallbacks*>(self)->living_;
+  if (memory == nullptr) return;
+  auto& counter = *static_cast<CountingCallbacks*>(self);
+  --counter.living_;
+  counter.living_bytes_ -= counter.sizes_[memory];
+  counter.sizes_.erase(memory);
   std::free(memory);
 }
 
 PFN_vkVoidFunction get_proc_addr_without_barriers(VkInstance instance, const char* name) {
   return replace("vkGetDeviceProcAddr", device_without_barriers, instance, name);
+}
+
+PFN_vkVoidFunction get_proc_addr_of_short_ranges(VkInstance instance, const char* name) {
+  return replace("vkGetDeviceProcAddr", device_of_short_ranges, instance, name);
 }
 
 PFN_vkVoidFunction get_proc_addr_without_fill(VkInstance instance, const char* name) {

@@ -7,6 +7,8 @@
 #include <vulkan/vulkan.h>
 
 #include <cstdint>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "compute/gpu_solver.h"
@@ -21,7 +23,11 @@ class GuardedMemory {
  public:
   GuardedMemory(const StandaloneDevice& device, VkDeviceSize byte_size, VkBufferUsageFlags usage);
 
+  /// The first gap that is large enough.
   Result<BufferRange> allocate(const BufferRequirement& requirement);
+
+  /// All bytes are 0xff again.
+  void release(const BufferRange& range);
 
   std::vector<Rgb> read_rgb(const BufferRange& range) const;
   std::span<const std::byte> bytes(const BufferRange& range) const;
@@ -33,16 +39,17 @@ class GuardedMemory {
  private:
   DeviceBuffer buffer_;
   VkBufferUsageFlags usage_;
-  std::vector<BufferRange> ranges_;
+  std::vector<BufferRange> ranges_;  ///< ascending
 };
 
-/// Host memory of Vulkan objects, counted.
+/// Host memory of Vulkan objects, counted to the byte.
 class CountingCallbacks {
  public:
   CountingCallbacks();
   const VkAllocationCallbacks* get() const { return &callbacks_; }
   int living() const { return living_; }
   int made() const { return made_; }
+  std::size_t living_bytes() const { return living_bytes_; }
 
  private:
   static void* VKAPI_PTR allocate(void* self, std::size_t size, std::size_t alignment,
@@ -54,10 +61,26 @@ class CountingCallbacks {
   VkAllocationCallbacks callbacks_{};
   int living_ = 0;
   int made_ = 0;
+  std::size_t living_bytes_ = 0;
+  std::map<void*, std::size_t> sizes_;
 };
+
+/// One whose devices count their fallible calls, of which one may be told to fail. One test at a time.
+PFN_vkVoidFunction VKAPI_PTR get_proc_addr_with_faults(VkInstance instance, const char* name);
+
+/// From now on the `call`-th fallible call of such a device (from 0) gives `result` and does nothing; none
+/// for a negative number. Counting starts anew.
+void inject_fault(int call, VkResult result);
+
+/// Fallible calls since then, and the name of the one that failed.
+int fallible_calls();
+std::string failed_call();
 
 /// A vkGetInstanceProcAddr whose devices have a vkCmdPipelineBarrier that does nothing.
 PFN_vkVoidFunction VKAPI_PTR get_proc_addr_without_barriers(VkInstance instance, const char* name);
+
+/// One whose devices bind no more than 16 bytes of any storage buffer.
+PFN_vkVoidFunction VKAPI_PTR get_proc_addr_of_short_ranges(VkInstance instance, const char* name);
 
 /// One whose devices lack vkCmdFillBuffer.
 PFN_vkVoidFunction VKAPI_PTR get_proc_addr_without_fill(VkInstance instance, const char* name);

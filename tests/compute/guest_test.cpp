@@ -10,6 +10,7 @@
 #include "compute/device_fixture.h"
 #include "compute/fake_host.h"
 #include "compute/gpu_solver.h"
+#include "compute/guest_solver.h"
 #include "compute/near_reference.h"
 #include "compute/test_models.h"
 #include "compute/vulkan_info.h"
@@ -18,70 +19,6 @@ namespace relume::test {
 namespace {
 
 using testing::HasSubstr;
-
-/// So little that most pieces are cut.
-constexpr VkDeviceSize kStagingBytes = 10000;
-constexpr VkDeviceSize kHostBytes = VkDeviceSize{16} << 20;
-
-/// A model on a device: memory with guards, a solver bound to it, and all of its data uploaded.
-class Guest {
- public:
-  Guest(StandaloneDevice& device, const HostDevice& host, const Model& model, const Lighting& lighting,
-        const SolverOptions& options, const std::vector<Rgb>& weights = {})
-      : device_(device), model_(model), lighting_(lighting) {
-    auto made = GpuSolver::create(host, model, options);
-    EXPECT_TRUE(made) << made.error().message;
-    solver_.emplace(std::move(*made));
-    memory_.emplace(device, kHostBytes, solver_->buffers()[0].usage);
-    const auto bound = solver_->bind(
-        [this](const BufferRequirement& requirement) { return memory_->allocate(requirement); });
-    EXPECT_TRUE(bound) << bound.error().message;
-    upload(solver_->model_data(model));
-    upload(solver_->lighting_data(lighting, weights));
-  }
-
-  const GpuSolver& solver() const { return *solver_; }
-  const GuardedMemory& memory() const { return *memory_; }
-
-  DeviceSolution results(std::uint32_t bounces, RadiosityHalf half) const {
-    DeviceSolution out;
-    out.solution.bounces = bounces;
-    out.solution.radiosity = memory_->read_rgb(solver_->radiosity(half));
-    for (std::uint32_t system = 0; system < model_.systems.size(); ++system) {
-      const std::vector<Rgb> irradiance = memory_->read_rgb(solver_->irradiance(system));
-      out.irradiance.insert(out.irradiance.end(), irradiance.begin(), irradiance.end());
-    }
-    return out;
-  }
-
-  testing::AssertionResult correct(std::uint32_t bounces, RadiosityHalf half) const {
-    if (const std::size_t damaged = memory_->damaged_bytes(); damaged > 0) {
-      return testing::AssertionFailure() << damaged << " bytes outside of the buffers were written";
-    }
-    return agrees_with_reference(results(bounces, half), model_, lighting_);
-  }
-
- private:
-  void upload(const UploadData& data) {
-    auto staging =
-        make_device_buffer(device_, kStagingBytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::upload);
-    ASSERT_TRUE(staging) << staging.error().message;
-    UploadCursor cursor;
-    bool done = false;
-    while (!done) {
-      const auto submitted = device_.submit([&](VkCommandBuffer commands) {
-        done = solver_->record_upload(commands, data, {staging->range(), staging->mapped}, cursor);
-      });
-      ASSERT_TRUE(submitted) << submitted.error().message;
-    }
-  }
-
-  StandaloneDevice& device_;
-  const Model& model_;
-  const Lighting& lighting_;
-  std::optional<GuardedMemory> memory_;
-  std::optional<GpuSolver> solver_;
-};
 
 class GuestTest : public DeviceTest {
  protected:
@@ -112,20 +49,30 @@ class GuestTest : public DeviceTest {
   Lighting lighting_ = random_lighting(model_, 2);
 };
 
+/// What the tests do most.
+constexpr PassWishes three_bounces() {
+  return {.restart = true, .bounces = 3, .residual = true, .gather = true};
+}
+
 TEST_F(GuestTest, StaysInsideTheMemoryOfItsHost) {
   for (const RowKernel kernel : {RowKernel::row_per_thread, RowKernel::row_per_8_lanes}) {
-    const Guest guest(device(), device().host(), model_, lighting_, {.kernel = kernel});
-    RadiosityHalf half{};
-    submit([&](VkCommandBuffer commands) {
-      half = guest.solver().record_bounces(commands, 3, guest.solver().record_start(commands));
-      guest.solver().record_residual(commands, half);
-      guest.solver().record_gather(commands, half);
-    });
-    EXPECT_EQ(half, RadiosityHalf::b);
-    EXPECT_TRUE(guest.correct(3, half));
+    Guest guest(device(), device().host(), model_, lighting_, {.kernel = kernel});
+    guest.together(three_bounces());
+    EXPECT_TRUE(guest.correct(3));
     VkDeviceSize asked = 0;
     for (const BufferRequirement& buffer : guest.solver().buffers()) asked += buffer.byte_size;
+    for (std::uint32_t s = 0; s < model_.systems.size(); ++s) asked += guest.system_bytes(s);
     EXPECT_EQ(guest.memory().handed_out(), asked);
+  }
+}
+
+TEST_F(GuestTest, NodesOfTreesAndAboveTheSystemsAreMeans) {
+  for (const std::uint32_t spanning : {0u, 9u}) {
+    const Model model = random_model({.nodes = 30, .spanning_nodes = spanning}, 8);
+    const Lighting lighting = random_lighting(model, 9);
+    Guest guest(device(), device().host(), model, lighting);
+    guest.together(three_bounces());
+    EXPECT_TRUE(guest.correct(3));
   }
 }
 
@@ -135,31 +82,30 @@ TEST_F(GuestTest, TheResidualIsWhatTheLastBounceChanged) {
     // Powers of two, so that dividing by them rounds nothing.
     weights.emplace_back(i % 2 == 0 ? 0.5 : 0.125, 1.0, i % 3 == 0 ? 0.25 : 1.0);
   }
-  const Guest guest(device(), device().host(), model_, lighting_, {}, weights);
-  RadiosityHalf half{};
-  submit([&](VkCommandBuffer commands) {
-    half = guest.solver().record_bounces(commands, 2, guest.solver().record_start(commands));
-    guest.solver().record_residual(commands, half);
-    guest.solver().record_gather(commands, half);
-  });
-  const std::vector<Rgb> after = guest.results(2, half).solution.radiosity;
-  const std::vector<Rgb> before = guest.results(1, other_half(half)).solution.radiosity;
-  Residual expected;
-  for (std::size_t i = 0; i < after.size(); ++i) {
-    const Rgb change = glm::abs(after[i] - before[i]);
-    expected.weighted_change = glm::max(expected.weighted_change, change / weights[i]);
-    expected.change = glm::max(expected.change, change);
-    expected.weighted_radiosity = glm::max(expected.weighted_radiosity, after[i] / weights[i]);
-    expected.radiosity = glm::max(expected.radiosity, after[i]);
-  }
-  const Residual residual = read_residual(guest.memory().bytes(guest.solver().residual()));
-  for (int channel = 0; channel < 3; ++channel) {
-    // The device subtracts in 32 bits: half a unit in the last place of the difference.
-    EXPECT_NEAR(residual.change[channel], expected.change[channel], expected.change[channel] * 0x1p-23);
-    EXPECT_NEAR(residual.weighted_change[channel], expected.weighted_change[channel],
-                expected.weighted_change[channel] * 0x1p-23);
-    EXPECT_EQ(residual.radiosity[channel], expected.radiosity[channel]);
-    EXPECT_EQ(residual.weighted_radiosity[channel], expected.weighted_radiosity[channel]);
+  Guest guest(device(), device().host(), model_, lighting_, {}, weights);
+  guest.together({.restart = true, .bounces = 2, .residual = true});
+  const std::vector<Rgb> after = guest.radiosity();
+  const std::vector<Rgb> before = guest.radiosity(false);
+  const std::vector<Residual> residuals = read_residuals(guest.memory().bytes(guest.solver().residuals()));
+  ASSERT_EQ(residuals.size(), model_.systems.size());
+  const std::vector<std::uint32_t> offsets = cluster_offsets(model_);
+  for (std::size_t s = 0; s < residuals.size(); ++s) {
+    Residual expected;
+    for (std::size_t i = offsets[s]; i < offsets[s + 1]; ++i) {
+      const Rgb change = glm::abs(after[i] - before[i]);
+      expected.weighted_change = glm::max(expected.weighted_change, change / weights[i]);
+      expected.change = glm::max(expected.change, change);
+      expected.weighted_radiosity = glm::max(expected.weighted_radiosity, after[i] / weights[i]);
+      expected.radiosity = glm::max(expected.radiosity, after[i]);
+    }
+    for (int channel = 0; channel < 3; ++channel) {
+      // The device subtracts in 32 bits: half a unit in the last place of the difference.
+      EXPECT_NEAR(residuals[s].change[channel], expected.change[channel], expected.change[channel] * 0x1p-23);
+      EXPECT_NEAR(residuals[s].weighted_change[channel], expected.weighted_change[channel],
+                  expected.weighted_change[channel] * 0x1p-23);
+      EXPECT_EQ(residuals[s].radiosity[channel], expected.radiosity[channel]);
+      EXPECT_EQ(residuals[s].weighted_radiosity[channel], expected.weighted_radiosity[channel]);
+    }
   }
 }
 
@@ -167,61 +113,49 @@ TEST_F(GuestTest, TwoSolversShareACommandBuffer) {
   const Model other_model =
       random_model({.clusters_of_system = {50}, .gather_rows = 30}, 3, {ValueCodec::unorm16});
   const Lighting other_lighting = random_lighting(other_model, 4);
-  const Guest one(device(), device().host(), model_, lighting_, {});
-  const Guest two(device(), device().host(), other_model, other_lighting,
-                  {.kernel = RowKernel::row_per_thread});
-  RadiosityHalf half_one{};
-  RadiosityHalf half_two{};
-  submit([&](VkCommandBuffer commands) {
-    half_one = one.solver().record_start(commands);
-    half_two = two.solver().record_start(commands);
-    for (int i = 0; i < 4; ++i) {
-      half_one = one.solver().record_bounces(commands, 1, half_one);
-      half_two = two.solver().record_bounces(commands, 2, half_two);
-    }
-    two.solver().record_gather(commands, half_two);
-    one.solver().record_gather(commands, half_one);
-  });
-  EXPECT_TRUE(one.correct(4, half_one));
-  EXPECT_TRUE(two.correct(8, half_two));
+  Guest one(device(), device().host(), model_, lighting_);
+  Guest two(device(), device().host(), other_model, other_lighting, {.kernel = RowKernel::row_per_thread});
+  for (int i = 0; i < 4; ++i) {
+    const FramePlan plan_one =
+        one.solver().plan(one.schedule(), PassWishes{.restart = i == 0, .bounces = 1, .gather = true});
+    const FramePlan plan_two =
+        two.solver().plan(two.schedule(), PassWishes{.restart = i == 0, .bounces = 2, .gather = true});
+    submit([&](VkCommandBuffer commands) {
+      EXPECT_TRUE(one.solver().record_frame(commands, {.plan = &plan_one}, {}));
+      EXPECT_TRUE(two.solver().record_frame(commands, {.plan = &plan_two}, {}));
+    });
+    one.schedule() = plan_one.next;
+    two.schedule() = plan_two.next;
+  }
+  EXPECT_TRUE(one.correct(4));
+  EXPECT_TRUE(two.correct(8));
 }
 
 TEST_F(GuestTest, TwoDevicesInOneProcess) {
   auto second = StandaloneDevice::create({.validation = true});
   ASSERT_TRUE(second) << second.error().message;
   {
-    const Guest here(device(), device().host(), model_, lighting_, {});
-    const Guest there(*second, second->host(), model_, lighting_, {});
-    RadiosityHalf half{};
-    const auto record = [&half](const Guest& guest) {
-      return [&](VkCommandBuffer commands) {
-        half = guest.solver().record_bounces(commands, 2, guest.solver().record_start(commands));
-        guest.solver().record_gather(commands, half);
-      };
-    };
-    submit(record(here));
-    ASSERT_TRUE(second->submit(record(there)));
-    EXPECT_TRUE(here.correct(2, half));
-    EXPECT_TRUE(there.correct(2, half));
+    Guest here(device(), device().host(), model_, lighting_);
+    Guest there(*second, second->host(), model_, lighting_);
+    here.together(three_bounces());
+    there.together(three_bounces());
+    EXPECT_TRUE(here.correct(3));
+    EXPECT_TRUE(there.correct(3));
+    EXPECT_EQ(here.radiosity(), there.radiosity());
   }
   EXPECT_THAT(second->validation_messages(), testing::IsEmpty());
 }
 
 TEST_F(GuestTest, ADroppedCommandBufferFalsifiesNothing) {
-  const Guest guest(device(), device().host(), model_, lighting_, {});
-  RadiosityHalf half{};
-  submit([&](VkCommandBuffer commands) {
-    half = guest.solver().record_bounces(commands, 1, guest.solver().record_start(commands));
-  });
+  Guest guest(device(), device().host(), model_, lighting_);
+  guest.together({.restart = true, .bounces = 1});
+  const FramePlan dropped =
+      guest.solver().plan(guest.schedule(), PassWishes{.bounces = 5, .residual = true, .gather = true});
   record_and_drop([&](VkCommandBuffer commands) {
-    guest.solver().record_bounces(commands, 5, half);
-    guest.solver().record_residual(commands, half);
+    EXPECT_TRUE(guest.solver().record_frame(commands, {.plan = &dropped}, {}));
   });
-  submit([&](VkCommandBuffer commands) {
-    half = guest.solver().record_bounces(commands, 1, half);
-    guest.solver().record_gather(commands, half);
-  });
-  EXPECT_TRUE(guest.correct(2, half));
+  guest.together({.bounces = 1, .gather = true});
+  EXPECT_TRUE(guest.correct(2));
 }
 
 TEST_F(GuestTest, EveryKernelFetchAndSlicingGivesTheSameBits) {
@@ -233,13 +167,9 @@ TEST_F(GuestTest, EveryKernelFetchAndSlicingGivesTheSameBits) {
   }
   std::vector<DeviceSolution> solutions;
   for (const SolverOptions& options : variants) {
-    const Guest guest(device(), device().host(), model_, lighting_, options);
-    RadiosityHalf half{};
-    submit([&](VkCommandBuffer commands) {
-      half = guest.solver().record_bounces(commands, 3, guest.solver().record_start(commands));
-      guest.solver().record_gather(commands, half);
-    });
-    solutions.push_back(guest.results(3, half));
+    Guest guest(device(), device().host(), model_, lighting_, options);
+    guest.together(three_bounces());
+    solutions.push_back(guest.results(3));
     EXPECT_EQ(guest.memory().damaged_bytes(), 0u);
   }
   ASSERT_TRUE(agrees_with_reference(solutions[0], model_, lighting_));
@@ -249,26 +179,31 @@ TEST_F(GuestTest, EveryKernelFetchAndSlicingGivesTheSameBits) {
   }
 }
 
-TEST_F(GuestTest, PartsOfABounceMayGoIntoDifferentSubmissions) {
-  const Guest guest(device(), device().host(), model_, lighting_, {RowKernel::row_per_8_lanes, 200});
-  RadiosityHalf half{};
-  submit([&](VkCommandBuffer commands) { half = guest.solver().record_start(commands); });
-  PassCursor cursor;
-  PassPart part;
-  std::uint64_t cost = 0;
+TEST_F(GuestTest, PartsOfAPassMayGoIntoDifferentSubmissions) {
+  Guest guest(device(), device().host(), model_, lighting_, {RowKernel::row_per_8_lanes, 200});
+  Guest whole(device(), device().host(), model_, lighting_);
+  PassWishes wishes = three_bounces();
+  whole.together(wishes);
+  wishes.max_form_factors = 500;
+  FramePlan plan;
   int submissions = 0;
-  for (; !part.complete; ++submissions) {
+  for (; !plan.pass_complete; ++submissions) {
+    plan = guest.solver().plan(guest.schedule(), wishes);
+    EXPECT_LE(plan.cost, 500u);
     submit([&](VkCommandBuffer commands) {
-      part = guest.solver().record_bounce_part(commands, half, cursor, 500);
+      EXPECT_TRUE(guest.solver().record_frame(commands, {.plan = &plan}, {}));
     });
-    EXPECT_LE(part.cost, 500u);
-    cost += part.cost;
+    guest.schedule() = plan.next;
   }
-  EXPECT_GT(submissions, 5);
-  EXPECT_EQ(cost, guest.solver().bounce_cost());
-  half = other_half(half);
-  submit([&](VkCommandBuffer commands) { guest.solver().record_gather(commands, half); });
-  EXPECT_TRUE(guest.correct(1, half));
+  EXPECT_GT(submissions, 20);
+  EXPECT_TRUE(guest.correct(3));
+  EXPECT_EQ(guest.radiosity(), whole.radiosity());
+  EXPECT_EQ(guest.irradiance(), whole.irradiance());
+  const auto residuals = [](Guest& of) {
+    const auto bytes = of.memory().bytes(of.solver().residuals());
+    return std::vector<std::byte>(bytes.begin(), bytes.end());
+  };
+  EXPECT_EQ(residuals(guest), residuals(whole));
 }
 
 TEST_F(GuestTest, ObjectsComeFromTheCallbacksOfTheHostAndGoBack) {
@@ -276,18 +211,33 @@ TEST_F(GuestTest, ObjectsComeFromTheCallbacksOfTheHostAndGoBack) {
   HostDevice host = device().host();
   host.allocation_callbacks = callbacks.get();
   {
-    const Guest guest(device(), host, model_, lighting_, {});
-    RadiosityHalf half{};
+    Guest guest(device(), host, model_, lighting_);
+    const FramePlan plan = guest.solver().plan(guest.schedule(), three_bounces());
     submit([&](VkCommandBuffer commands) {
       const int before = callbacks.made();
-      half = guest.solver().record_bounces(commands, 2, guest.solver().record_start(commands));
-      guest.solver().record_gather(commands, half);
+      EXPECT_TRUE(guest.solver().record_frame(commands, {.plan = &plan}, {}));
       EXPECT_EQ(callbacks.made(), before) << "recording must not allocate";
     });
-    EXPECT_TRUE(guest.correct(2, half));
-    EXPECT_GT(callbacks.living(), 0);
+    guest.schedule() = plan.next;
+    EXPECT_TRUE(guest.correct(3));
+    const std::size_t bytes = callbacks.living_bytes();
+    guest.unload(1);
+    EXPECT_LT(callbacks.living_bytes(), bytes);
   }
   EXPECT_EQ(callbacks.living(), 0);
+  EXPECT_EQ(callbacks.living_bytes(), 0u);
+}
+
+TEST_F(GuestTest, PipelinesGoThroughTheCacheOfTheHost) {
+  const auto info = vulkan_info<VkPipelineCacheCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO);
+  HostDevice host = device().host();
+  ASSERT_EQ(vkCreatePipelineCache(host.device, &info, nullptr, &host.pipeline_cache), VK_SUCCESS);
+  {
+    Guest guest(device(), host, model_, lighting_);
+    guest.together(three_bounces());
+    EXPECT_TRUE(guest.correct(3));
+  }
+  vkDestroyPipelineCache(host.device, host.pipeline_cache, nullptr);
 }
 
 TEST_F(GuestTest, BindNamesTheBufferThatDoesNotFit) {
@@ -307,11 +257,69 @@ TEST_F(GuestTest, BindNamesTheBufferThatDoesNotFit) {
 TEST_F(GuestTest, TheErrorOfAnAllocatorComesThrough) {
   auto solver = GpuSolver::create(device().host(), model_, {});
   ASSERT_TRUE(solver) << solver.error().message;
-  const auto bound = solver->bind([](const BufferRequirement&) -> Result<BufferRange> {
+  const auto nothing = [](const BufferRequirement&) -> Result<BufferRange> {
     return fail(ErrorCode::out_of_memory, "none left");
-  });
+  };
+  const auto bound = solver->bind(nothing);
   ASSERT_FALSE(bound);
   EXPECT_EQ(bound.error().message, "none left");
+  const auto loaded = solver->load(model_, 0, nothing);
+  ASSERT_FALSE(loaded);
+  EXPECT_EQ(loaded.error().message, "none left");
+  EXPECT_FALSE(solver->loaded(0));
+}
+
+TEST_F(GuestTest, LoadSaysWhatItCannotLoad) {
+  Guest guest(device(), device().host(), model_, lighting_);
+  const auto message = [&](const Model& model, std::uint32_t system) {
+    const auto loaded = guest.solver().load(model, system, std::span<const BufferRange>{});
+    EXPECT_FALSE(loaded);
+    return loaded ? std::string() : loaded.error().message;
+  };
+  EXPECT_EQ(message(model_, 2), "system 2 is loaded already");
+  EXPECT_EQ(message(unloaded(model_, 2), 2), "the model has no data of system 2");
+  EXPECT_EQ(message(model_, 4), "the model has no data of system 4");
+  EXPECT_THAT(message(random_model({.clusters_of_system = {3}}, 1), 0), HasSubstr("was made for one with 4"));
+}
+
+TEST_F(GuestTest, ALimitOfSendersIsKept) {
+  // Systems of 37, 1, 120 and 64 clusters.
+  auto solver = GpuSolver::create(device().host(), model_, {.sender_capacity = 130});
+  ASSERT_TRUE(solver) << solver.error().message;
+  GuardedMemory memory(device(), VkDeviceSize{1} << 20, solver->buffers()[0].usage);
+  const auto allocate = [&](const BufferRequirement& requirement) { return memory.allocate(requirement); };
+  ASSERT_TRUE(solver->bind(allocate));
+  ASSERT_TRUE(solver->load(model_, 2, allocate));
+  const auto refused = solver->load(model_, 0, allocate);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::out_of_memory);
+  EXPECT_THAT(refused.error().message, HasSubstr("sender_capacity is 130"));
+  EXPECT_TRUE(solver->load(model_, 1, allocate));
+  solver->unload(2);
+  EXPECT_TRUE(solver->load(model_, 0, allocate));
+  EXPECT_TRUE(solver->load(model_, 3, allocate));
+}
+
+TEST_F(GuestTest, RecordingSaysWhatIsNotThere) {
+  Guest guest(device(), device().host(), model_, lighting_);
+  const FramePlan plan = guest.solver().plan(guest.schedule(), FrameWishes{});
+  const VkBuffer buffer = guest.solver().residuals().buffer;
+  const InputCopy too_long[] = {{Quantity::direct, 1, 0, {buffer, 0, 32}}};
+  const InputCopy too_late[] = {{Quantity::direct, 0, 37, {buffer, 0, 16}}};
+  submit([&](VkCommandBuffer commands) {
+    EXPECT_THAT(guest.solver().record_frame(commands, {}, {}).error().message, HasSubstr("needs a plan"));
+    for (const auto& copies : {too_long, too_late}) {
+      const auto recorded = guest.solver().record_frame(commands, {.plan = &plan, .copies = {copies, 1}}, {});
+      ASSERT_FALSE(recorded);
+      EXPECT_EQ(recorded.error().code, ErrorCode::usage);
+    }
+  });
+  guest.unload(3);
+  submit([&](VkCommandBuffer commands) {
+    const auto recorded = guest.solver().record_frame(commands, {.plan = &plan}, {});
+    ASSERT_FALSE(recorded);
+    EXPECT_EQ(recorded.error().message, "the schedule has system 3 active, but it is not loaded");
+  });
 }
 
 TEST_F(GuestTest, AMissingEntryPointIsNamed) {
@@ -331,7 +339,7 @@ TEST_F(GuestTest, ADeviceWithTooFewBindingsIsNamed) {
   EXPECT_EQ(solver.error().code, ErrorCode::no_device);
   EXPECT_THAT(solver.error().message, HasSubstr(device().name()));
   EXPECT_THAT(solver.error().message,
-              HasSubstr("maxPerStageDescriptorStorageBuffers of at least 15 (it offers 4)"));
+              HasSubstr("maxPerStageDescriptorStorageBuffers of at least 16 (it offers 4)"));
 }
 
 TEST_F(GuestTest, ShortTexelBuffersAreNotUsedForLongBlocks) {
@@ -340,17 +348,17 @@ TEST_F(GuestTest, ShortTexelBuffersAreNotUsedForLongBlocks) {
   const Lighting lighting = random_lighting(model, 5);
   HostDevice host = device().host();
   host.get_instance_proc_addr = get_proc_addr_of_short_texel_buffers;
-  const auto refused = GpuSolver::create(host, model, {.fetch = MatrixFetch::texels});
+  auto demanding = GpuSolver::create(host, model, {.fetch = MatrixFetch::texels});
+  ASSERT_TRUE(demanding) << demanding.error().message;
+  GuardedMemory memory(device(), VkDeviceSize{8} << 20, demanding->buffers()[0].usage);
+  const auto refused = demanding->load(
+      model, 0, [&](const BufferRequirement& requirement) { return memory.allocate(requirement); });
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("262144 elements, but the device has at most 65536"));
 
-  const Guest guest(device(), host, model, lighting, {});
-  RadiosityHalf half{};
-  submit([&](VkCommandBuffer commands) {
-    half = guest.solver().record_bounces(commands, 2, guest.solver().record_start(commands));
-    guest.solver().record_gather(commands, half);
-  });
-  EXPECT_TRUE(guest.correct(2, half));
+  Guest guest(device(), host, model, lighting);
+  guest.together(three_bounces());
+  EXPECT_TRUE(guest.correct(3));
 }
 
 }  // namespace

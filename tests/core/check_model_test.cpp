@@ -106,6 +106,17 @@ TEST(CheckModel, RefusesBrokenOpacity) {
   });
 }
 
+TEST(CheckModel, RefusesBrokenTextureCoordinates) {
+  expect_refused({
+      {[](Model& m) { m.occluders.texture[0].triangle = 4; },
+       "texture coordinates: expected ascending triangles below 4, found 4"},
+      {[](Model& m) { m.occluders.texture.push_back(m.occluders.texture[0]); },
+       "texture coordinates: expected ascending triangles below 4, found 2"},
+      {[](Model& m) { m.occluders.texture[0].corners[1].y = kNotANumber; },
+       "texture coordinates of triangle 2: expected finite numbers"},
+  });
+}
+
 TEST(CheckModel, RefusesBrokenSurfaces) {
   expect_refused({
       {[](Model& m) { m.systems[1].clusters[0].centroid.x = kNotANumber; },

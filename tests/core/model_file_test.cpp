@@ -44,6 +44,7 @@ TEST(ModelFile, ComesBackAsItWas) {
   EXPECT_EQ(read->occluders.opacity.triangles[1].corners[2].z, 0.25f);
   EXPECT_EQ(read->occluders.opacity.maps[0].solid, 0.75f);
   EXPECT_EQ(read->occluders.opacity.texels, model.occluders.opacity.texels);
+  EXPECT_EQ(read->occluders.texture, model.occluders.texture);
   ASSERT_EQ(read->systems.size(), 2u);
   EXPECT_EQ(read->systems[0].name, "floor");
   EXPECT_EQ(read->systems[0].sensors[0].position, model.systems[0].sensors[0].position);

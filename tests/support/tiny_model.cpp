@@ -19,6 +19,7 @@ Occluders two_quads() {
   opacity.texels = {9, 255, 0, 0, 255};
   opacity.triangles = {{1, 0, {{{0, 0, 1}, {1, 0, 1}, {1, 1, 0.5}}}},
                        {3, 1, {{{0, 0, 0.25}, {0, 0, 0.25}, {0, 0, 0.25}}}}};
+  occluders.texture = {{2, {glm::vec2{0, 0}, glm::vec2{1, 0}, glm::vec2{1, 1}}}};
   return occluders;
 }
 

@@ -110,6 +110,21 @@ TEST(Files, BouncesAreCounted) {
   }
 }
 
+TEST(Files, LightmapsForEnginesAreWrittenWhenAskedFor) {
+  const Precomputed box = precomputed("furnace_box", kCoarse);
+  const nlohmann::json solved = solve_json(box, {"--ktx2", "rgb9e5"});
+  EXPECT_EQ(solved.at("files").size(), 9u);
+  const std::string system = relume_json({"info", box.file}).at("system_list")[0].at("name");
+  for (const char* kind : {".direct.ktx2", ".indirect.ktx2"}) {
+    const std::string bytes = read_text(box.folder / "result" / "lightmaps" / (system + kind));
+    EXPECT_EQ(bytes.substr(1, 6), "KTX 20") << kind;
+  }
+  const Finished refused =
+      run_relume({"solve", box.file, "-o", (box.folder / "other").string(), "--ktx2", "bc6h"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("rgba16f or r11g11b10f or rgb9e5"));
+}
+
 TEST(Files, SolveWritesWhatItPromises) {
   const Precomputed box = precomputed("furnace_box", kCoarse);
   const nlohmann::json info = relume_json({"info", box.file});

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace relume {
+
+/// How the rows of a matrix are spread over invocations. All give the same bits
+/// (kernels/include/row_product.glsl).
+enum class RowKernel : std::uint32_t { row_per_thread, row_per_8_lanes };
+
+/// "row_per_thread", "row_per_8_lanes".
+std::string_view row_kernel_name(RowKernel kernel);
+std::optional<RowKernel> row_kernel_from_name(std::string_view name);
+
+/// Where row products read matrices and radiosity from. All give the same bits.
+enum class MatrixFetch : std::uint32_t {
+  storage,  ///< storage buffers: every device can
+  texels,   ///< uniform texel buffers of the same bytes: 2.5 times as fast on lavapipe 22.3
+};
+
+struct SolverOptions {
+  RowKernel kernel = RowKernel::row_per_8_lanes;
+  /// No dispatch has more, unless a single row has: about 10 ms on two cores of a processor.
+  std::uint64_t max_dispatch_form_factors = 4'000'000;
+  /// Nothing: texels, for systems whose blocks fit texel buffers of the device (maxTexelBufferElements).
+  std::optional<MatrixFetch> fetch{};
+  /// Senders (clusters and nodes) of all systems that are loaded at a time; 0: as many as are loaded in the
+  /// model of GpuSolver::create.
+  std::uint32_t sender_capacity = 0;
+};
+
+}  // namespace relume

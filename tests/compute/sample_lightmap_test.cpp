@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+//
+// From the pass to a renderer's shader: through the host's own view, the format's own decoder and the
+// include.
+#include <gtest/gtest.h>
+#include <vulkan/vulkan.h>
+
+#include <array>
+
+#include "compute/lightmap_fixture.h"
+#include "compute/pipeline_objects.h"
+#include "compute/vulkan_info.h"
+#include "spirv/sample_lightmap_probe.h"
+
+namespace relume::test {
+namespace {
+
+class SampleLightmap : public LightmapTest, public testing::WithParamInterface<LightmapFormat> {
+ protected:
+  /// Radiance at each place (x, y in texels, albedo).
+  std::vector<Rgb> seen(HostImage& image, VkFormat format, const std::vector<kernels::vec4>& places) {
+    const BufferRange asked = allocate("places", 16 * places.size());
+    const BufferRange answers = allocate("radiance", 16 * places.size());
+    upload(asked, places);
+    const VkDevice owner = device().host().device;
+    auto info = vulkan_info<VkSamplerCreateInfo>(VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO);
+    info.magFilter = info.minFilter = VK_FILTER_LINEAR;
+    info.addressModeU = info.addressModeV = info.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    VkSampler sampler = VK_NULL_HANDLE;
+    EXPECT_EQ(vkCreateSampler(owner, &info, nullptr, &sampler), VK_SUCCESS);
+    const VulkanHandle<VkSampler> sampler_owner(owner, sampler, vkDestroySampler, nullptr);
+    dispatch({asked, answers},
+             {sampler, image.view(format, VK_IMAGE_USAGE_SAMPLED_BIT), kImageSampled.layout}, image,
+             static_cast<std::uint32_t>(places.size()));
+    return read_rgb(answers);
+  }
+
+ private:
+  void dispatch(const std::array<BufferRange, 2>& buffers, const VkDescriptorImageInfo& sampled,
+                const HostImage& image, std::uint32_t count) {
+    const HostDevice host = device().host();
+    const auto functions = load_device_functions(host);
+    ASSERT_TRUE(functions);
+    const SetShape shape{.storage_buffers = 2, .sampled_images = 1};
+    const auto set_layout = make_set_layout(host, *functions, shape);
+    ASSERT_TRUE(set_layout);
+    const VkDescriptorSetLayout set_layout_of = set_layout->get();
+    const auto layout = make_pipeline_layout(host, *functions, {&set_layout_of, 1}, 0);
+    const auto pool = make_descriptor_pool(host, *functions, 1, shape);
+    ASSERT_TRUE(layout && pool);
+    const VkDescriptorSet set = make_set(pool->get(), set_layout_of, buffers, sampled);
+    const VulkanHandle<VkPipeline> pipeline = make_pipeline(layout->get());
+    EXPECT_TRUE(device().submit([&](VkCommandBuffer commands) {
+      image.record_transition(commands, kImageWritten, kImageSampled);
+      vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.get());
+      vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout->get(), 0, 1, &set, 0,
+                              nullptr);
+      vkCmdDispatch(commands, count, 1, 1);
+    }));
+  }
+
+  VkDescriptorSet make_set(VkDescriptorPool pool, VkDescriptorSetLayout layout,
+                           const std::array<BufferRange, 2>& buffers, const VkDescriptorImageInfo& sampled) {
+    const VkDevice owner = device().host().device;
+    auto info = vulkan_info<VkDescriptorSetAllocateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO);
+    info.descriptorPool = pool;
+    info.descriptorSetCount = 1;
+    info.pSetLayouts = &layout;
+    VkDescriptorSet set = VK_NULL_HANDLE;
+    EXPECT_EQ(vkAllocateDescriptorSets(owner, &info, &set), VK_SUCCESS);
+    std::array<VkDescriptorBufferInfo, 2> ranges{};
+    for (std::size_t i = 0; i < 2; ++i)
+      ranges[i] = {buffers[i].buffer, buffers[i].offset, buffers[i].byte_size};
+    auto write = vulkan_info<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
+    write.dstSet = set;
+    write.descriptorCount = 2;
+    write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    write.pBufferInfo = ranges.data();
+    auto image = write;
+    image.dstBinding = 2;
+    image.descriptorCount = 1;
+    image.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+    image.pBufferInfo = nullptr;
+    image.pImageInfo = &sampled;
+    const std::array writes{write, image};
+    vkUpdateDescriptorSets(owner, 2, writes.data(), 0, nullptr);
+    return set;
+  }
+
+  VulkanHandle<VkPipeline> make_pipeline(VkPipelineLayout layout) {
+    const VkDevice owner = device().host().device;
+    auto code = vulkan_info<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
+    code.codeSize = sizeof sample_lightmap_probe_spirv;
+    code.pCode = sample_lightmap_probe_spirv;
+    VkShaderModule module = VK_NULL_HANDLE;
+    EXPECT_EQ(vkCreateShaderModule(owner, &code, nullptr, &module), VK_SUCCESS);
+    const VulkanHandle<VkShaderModule> module_owner(owner, module, vkDestroyShaderModule, nullptr);
+    auto info = vulkan_info<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
+    info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+    info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+    info.stage.module = module;
+    info.stage.pName = "main";
+    info.layout = layout;
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    EXPECT_EQ(vkCreateComputePipelines(owner, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), VK_SUCCESS);
+    return {owner, pipeline, vkDestroyPipeline, nullptr};
+  }
+};
+
+VkFormat image_format(LightmapFormat format) {
+  if (format == LightmapFormat::rgba16f) return VK_FORMAT_R16G16B16A16_SFLOAT;
+  return format == LightmapFormat::rgb9e5 ? VK_FORMAT_E5B9G9R9_UFLOAT_PACK32
+                                          : VK_FORMAT_B10G11R11_UFLOAT_PACK32;
+}
+
+// Lumels of 100 and 304 lux (red), side by side; every format holds these numbers. A white wall under 100 lux
+// has 100 / pi = 31.831 cd/m2, one of albedo 0.5 half of it; half-way between the two lumels it is 202 lux.
+TEST_P(SampleLightmap, GivesTheRadianceOfADiffuseSurface) {
+  auto image = written(lumels_in_rows(2, 2), GetParam(), {{100.0f, 1.0f, 0.25f}, {304.0f, 1.0f, 0.0f}});
+  ASSERT_TRUE(image);
+  const std::vector<Rgb> radiance = seen(*image, image_format(GetParam()),
+                                         {{0.5f, 0.5f, 1.0f, 0.0f},
+                                          {0.5f, 0.5f, 0.5f, 0.0f},
+                                          {1.5f, 0.5f, 1.0f, 0.0f},
+                                          {1.0f, 0.5f, 1.0f, 0.0f}});
+  EXPECT_NEAR(radiance[0].x, 31.830989, 1e-4);
+  EXPECT_NEAR(radiance[1].x, 15.915494, 1e-4);
+  EXPECT_NEAR(radiance[2].x, 96.766206, 1e-3);
+  EXPECT_NEAR(radiance[3].x, 64.298597, 64.3 / 256);  // devices filter with 8 bits of weight
+  EXPECT_NEAR(radiance[0].y, 0.31830989, 1e-6);
+  EXPECT_NEAR(radiance[0].z, 0.07957747, 1e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, SampleLightmap,
+                         testing::Values(LightmapFormat::rgba16f, LightmapFormat::r11g11b10f,
+                                         LightmapFormat::rgb9e5));
+
+}  // namespace
+}  // namespace relume::test
