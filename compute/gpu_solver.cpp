@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "compute/device_functions.h"
-#include "compute/device_requirements.h"
+#include "compute/guest.h"
 #include "compute/recording.h"
 #include "compute/solver_data.h"
 #include "compute/solver_state.h"
@@ -21,18 +21,6 @@ constexpr std::pair<RowKernel, std::string_view> kRowKernelNames[] = {
     {RowKernel::row_per_thread, "row_per_thread"},
     {RowKernel::row_per_8_lanes, "row_per_8_lanes"},
 };
-
-Result<VkPhysicalDeviceLimits> device_limits(const HostDevice& host) {
-  if (auto required = device_requirements(host.get_instance_proc_addr, host.instance, host.physical_device);
-      !required) {
-    return tl::unexpected<Error>(required.error());
-  }
-  const auto get_properties = reinterpret_cast<PFN_vkGetPhysicalDeviceProperties>(
-      host.get_instance_proc_addr(host.instance, "vkGetPhysicalDeviceProperties"));
-  VkPhysicalDeviceProperties properties{};
-  get_properties(host.physical_device, &properties);
-  return properties.limits;
-}
 
 /// Both alignments are powers of two.
 LayoutLimits layout_limits(const VkPhysicalDeviceLimits& limits) {
@@ -138,25 +126,12 @@ std::span<const BufferRequirement> GpuSolver::buffers() const {
 }
 
 Result<void> GpuSolver::bind(std::span<const BufferRange> ranges) {
-  const std::vector<BufferRequirement>& needed = state_->layout.buffers;
-  if (ranges.size() != needed.size()) {
-    return fail(ErrorCode::usage, "bind needs " + std::to_string(needed.size()) + " buffers, found " +
-                                      std::to_string(ranges.size()));
-  }
-  std::vector<BufferRange> exact(ranges.begin(), ranges.end());
-  for (std::size_t i = 0; i < needed.size(); ++i) {
-    if (exact[i].byte_size < needed[i].byte_size || exact[i].offset % needed[i].alignment != 0) {
-      return fail(ErrorCode::usage,
-                  "the buffer '" + needed[i].name + "' needs " + std::to_string(needed[i].byte_size) +
-                      " bytes at a multiple of " + std::to_string(needed[i].alignment) + ", found " +
-                      std::to_string(exact[i].byte_size) + " at " + std::to_string(exact[i].offset));
-    }
-    exact[i].byte_size = needed[i].byte_size;
-  }
-  auto sets = make_descriptor_sets(state_->host, state_->functions, state_->pipelines, state_->layout, exact,
+  auto exact = fit_ranges(buffers(), ranges);
+  if (!exact) return tl::unexpected<Error>(exact.error());
+  auto sets = make_descriptor_sets(state_->host, state_->functions, state_->pipelines, state_->layout, *exact,
                                    state_->max_texels);
   if (!sets) return tl::unexpected<Error>(sets.error());
-  state_->ranges = std::move(exact);
+  state_->ranges = std::move(*exact);
   state_->sets = std::move(*sets);
   return {};
 }
@@ -185,25 +160,7 @@ UploadData GpuSolver::radiosity_data(const std::vector<Rgb>& radiosity, Radiosit
 
 bool GpuSolver::record_upload(VkCommandBuffer commands, const UploadData& data, const Staging& staging,
                               UploadCursor& cursor) const {
-  const ScopedLabel label(state_->functions, commands, "relume upload");
-  record_barrier(state_->functions, commands, kComputeAndCopy, kTransferWrite);
-  VkDeviceSize used = 0;
-  while (cursor.piece < data.pieces.size()) {
-    const UploadPiece& piece = data.pieces[cursor.piece];
-    const VkDeviceSize bytes = std::min(piece.bytes.size() - cursor.byte, staging.range.byte_size - used);
-    if (bytes == 0 && piece.bytes.size() > cursor.byte) break;
-    if (bytes > 0) {
-      std::memcpy(staging.mapped + used, piece.bytes.data() + cursor.byte, bytes);
-      const BufferRange& target = state_->ranges[piece.buffer];
-      const VkBufferCopy copy{staging.range.offset + used, target.offset + piece.offset + cursor.byte, bytes};
-      state_->functions.cmd_copy_buffer(commands, staging.range.buffer, target.buffer, 1, &copy);
-    }
-    used += bytes;
-    cursor.byte += bytes;
-    if (cursor.byte == piece.bytes.size()) cursor = {cursor.piece + 1, 0};
-  }
-  record_barrier(state_->functions, commands, kTransferWrite, kComputeAndCopy);
-  return cursor.piece == data.pieces.size();
+  return record_upload_part(state_->functions, commands, data, state_->ranges, staging, cursor);
 }
 
 RadiosityHalf GpuSolver::record_start(VkCommandBuffer commands) const {
@@ -263,6 +220,10 @@ BufferRange GpuSolver::irradiance(std::uint32_t system) const {
   const SystemLayout& layout = state_->layout.systems[system];
   const BufferRange& whole = state_->ranges[layout.irradiance_buffer];
   return {whole.buffer, whole.offset, layout.gather_rows * kRgbBytes};
+}
+
+BufferRange GpuSolver::direct_irradiance() const {
+  return state_->ranges[kDirect];
 }
 
 BufferRange GpuSolver::residual() const {

@@ -168,6 +168,8 @@ class GpuSolver {
   BufferRange radiosity(RadiosityHalf half) const;
   /// ... as four floats per gather row of a system (lumels, then sensors; lm/m2), ...
   BufferRange irradiance(std::uint32_t system) const;
+  /// H, four floats per cluster of all systems (lm/m2), for who computes it on the device.
+  BufferRange direct_irradiance() const;
   /// ... and as bytes for read_residual.
   BufferRange residual() const;
 

@@ -3,10 +3,15 @@
 
 #include "spirv/bounce_row_per_8_lanes.h"
 #include "spirv/bounce_row_per_thread.h"
+#include "spirv/direct_clusters.h"
+#include "spirv/direct_gather.h"
+#include "spirv/direct_sum.h"
+#include "spirv/direct_trace.h"
 #include "spirv/gather_row_per_8_lanes.h"
 #include "spirv/gather_row_per_thread.h"
 #include "spirv/import_radiosity.h"
 #include "spirv/residual.h"
+#include "spirv/shadow_rays.h"
 #include "spirv/start.h"
 
 namespace relume {
@@ -27,6 +32,16 @@ std::span<const std::uint32_t> kernel_code(KernelId kernel) {
       return gather_row_per_8_lanes_spirv;
     case KernelId::residual:
       return residual_spirv;
+    case KernelId::direct_trace:
+      return direct_trace_spirv;
+    case KernelId::direct_sum:
+      return direct_sum_spirv;
+    case KernelId::direct_clusters:
+      return direct_clusters_spirv;
+    case KernelId::direct_gather:
+      return direct_gather_spirv;
+    case KernelId::shadow_rays:
+      return shadow_rays_spirv;
   }
   return {};
 }
@@ -47,6 +62,16 @@ const char* kernel_file_name(KernelId kernel) {
       return "gather_row_per_8_lanes";
     case KernelId::residual:
       return "residual";
+    case KernelId::direct_trace:
+      return "direct_trace";
+    case KernelId::direct_sum:
+      return "direct_sum";
+    case KernelId::direct_clusters:
+      return "direct_clusters";
+    case KernelId::direct_gather:
+      return "direct_gather";
+    case KernelId::shadow_rays:
+      return "shadow_rays";
   }
   return "";
 }

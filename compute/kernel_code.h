@@ -15,6 +15,11 @@ enum class KernelId : std::uint32_t {
   gather_row_per_thread,
   gather_row_per_8_lanes,
   residual,
+  direct_trace,
+  direct_sum,
+  direct_clusters,
+  direct_gather,
+  shadow_rays,
 };
 
 /// The SPIR-V of a kernel, embedded when the library was built. Valid for ever.

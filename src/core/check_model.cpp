@@ -160,7 +160,8 @@ Result<void> check_occluders(const Model& model) {
       !std::all_of(occluders.back_uv.begin(), occluders.back_uv.end(), uv_finite)) {
     return broken_model("occluders: expected finite lightmap coordinates");
   }
-  return check_opacity(occluders.opacity, count);
+  if (auto checked = check_opacity(occluders.opacity, count); !checked) return checked;
+  return check_bvh(occluders);
 }
 
 /// Numbers over all systems fit 32 bits.

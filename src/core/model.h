@@ -16,6 +16,7 @@
 
 #include "core/block_matrix.h"
 #include "core/light.h"
+#include "core/occluder_bvh.h"
 #include "core/opacity.h"
 #include "core/quantities.h"
 
@@ -143,8 +144,12 @@ struct System {
   std::vector<Cluster> clusters;          ///< rows of `bounce`
   std::vector<SurfaceElement> elements;   ///< grouped by cluster
   std::vector<SurfacePiece> pieces;       ///< grouped by element
+  /// A bit for each light patch (core/light_patches.h), element by element, lowest first: whether it belongs to its element; empty: all
+  /// do.
+  std::vector<std::uint32_t> own_patches;
   std::vector<Lumel> lumels;              ///< rows [0, lumels) of `gather`
   std::vector<Sensor> sensors;            ///< rows [lumels, lumels + sensors) of `gather`
+  std::vector<glm::vec3> lifted_sensors;  ///< per sensor: where it measures, off the surface that it lies on
   std::vector<LightmapChart> charts;
   std::vector<TreeNode> tree;      ///< over `clusters`: the nodes that some system imports, or a node above the systems spans
   std::vector<SenderRef> imports;  ///< what the columns of both matrices mean
@@ -176,6 +181,7 @@ struct Occluders {
   std::vector<glm::vec2> front_uv;
   std::vector<glm::vec2> back_uv;
   Opacity opacity;  ///< of the triangles that let light through
+  OccluderBvh bvh;  ///< over those that stop any
 };
 
 /// A perspective camera for previews.
