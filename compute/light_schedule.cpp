@@ -7,15 +7,14 @@
 #include <numeric>
 #include <string>
 
+#include "core/light_patches.h"
+
 namespace relume {
 namespace {
 
 constexpr std::size_t kGroupBlocks = 32;
 /// Beyond what single precision on the device can differ by.
 constexpr double kSlack = 1e-5;
-/// Rays more for a block that a light is close to: its patches are cut.
-constexpr std::uint64_t kCutRays = 1024;
-
 /// Range and cone of a point or spot light against a ball.
 bool reaches_ball(const Light& light, const glm::dvec3& centre, double radius) {
   const glm::dvec3 way = centre - light.position;
@@ -40,10 +39,15 @@ bool same_place(const Light& a, const Light& b) {
          a.inner_cone_angle == b.inner_cone_angle && a.outer_cone_angle == b.outer_cone_angle;
 }
 
+/// About how many rays a pair takes.
 std::uint64_t rays_of(const Light& light, const LightBlock& block) {
-  const bool near =
-      light.type != LightType::directional && glm::length(light.position - block.centre) < 2.0 * block.radius;
-  return block.patch_count + (near ? kCutRays : 0);
+  if (light.type == LightType::directional) return block.patch_count;
+  // Patches that look large are cut: about two for each largest solid angle that the block covers.
+  const double distance = std::max(block.radius, glm::length(light.position - block.centre));
+  const double sine = distance > 0.0 ? block.radius / distance : 1.0;
+  const double covered = 2.0 * kPi * (1.0 - std::sqrt(std::max(0.0, 1.0 - sine * sine)));
+  const double cut = 2.0 * covered / max_patch_solid_angle(light);
+  return block.patch_count + (8.0 * cut > block.patch_count ? static_cast<std::uint64_t>(cut) : 0);
 }
 
 /// Balls around runs of blocks.
