@@ -43,8 +43,8 @@ struct DirectLightOptions {
   std::vector<std::uint32_t> systems{};  ///< ascending; empty: all that are loaded
   LightVisibility visibility = LightVisibility::traced;
   std::uint32_t max_lights = 16384;
-  /// A light counts one pair for each block of up to 32 elements that it reaches; 128 bytes each. 0: room for
-  /// 64 lights that reach everything, and at least 262,144.
+  /// A light counts one pair for each block of up to 32 elements that it may reach (LightSchedule::pairs_of);
+  /// 128 bytes each. 0: room for 64 lights that reach everything, and at least 262,144.
   std::uint32_t max_pairs = 0;
   /// No dispatch traces more shadow rays, unless a single pair does: below 50 ms on two cores of a processor.
   std::uint64_t max_dispatch_rays = 32768;

@@ -15,6 +15,10 @@ namespace relume {
 namespace {
 
 constexpr std::uint32_t kBlockPatches = 512;  // more only when a single element has them
+/// The next cluster joins a block when it lies no further from its middle than so many of its radii, and its
+/// normals differ by no more than this.
+constexpr double kJoinRadii = 2.0;
+constexpr double kJoinNormals = 0.5;
 
 float as_float(std::uint32_t bits) {
   return std::bit_cast<float>(bits);
@@ -32,6 +36,14 @@ class BlockFacts {
     normals_.push_back(normal);
   }
 
+  /// Whether a point and normal of another cluster would make the block little larger.
+  bool near(const glm::dvec3& point, const glm::dvec3& normal) const {
+    LightBlock block;
+    write(block);
+    return glm::length(point - block.centre) <= kJoinRadii * block.radius &&
+           glm::length(normal - block.axis) <= kJoinNormals;
+  }
+
   void write(LightBlock& block) const {
     glm::dvec3 lower(std::numeric_limits<double>::infinity()), upper = -lower, mean(0.0);
     for (const glm::dvec3& p : points_) lower = glm::min(lower, p), upper = glm::max(upper, p);
@@ -40,10 +52,12 @@ class BlockFacts {
     const double length = glm::length(mean);
     block.axis = length > 0.0 ? mean / length : glm::dvec3(0.0, 0.0, 1.0);
     block.lowest = std::numeric_limits<double>::infinity();
+    block.highest = -block.lowest;
     for (std::size_t i = 0; i < points_.size(); ++i) {
       block.radius = std::max(block.radius, glm::length(points_[i] - block.centre));
       block.spread = std::max(block.spread, glm::length(normals_[i] - block.axis));
       block.lowest = std::min(block.lowest, glm::dot(block.axis, points_[i]));
+      block.highest = std::max(block.highest, glm::dot(block.axis, points_[i]));
     }
   }
 
@@ -106,6 +120,9 @@ class SurfaceWriter {
       flags = as_float(std::bit_cast<std::uint32_t>(flags) | kernels::kPieceUncut);
     }
     const std::uint32_t cluster = first_cluster + element.cluster;
+    const bool joins = block_.element_count == 0 || cluster + 1 == block_.end_cluster ||
+                       facts_.near(glm::dvec3(element.position), glm::dvec3(element.normal));
+    if (!joins) close_block();
     start_element(static_cast<std::uint32_t>(patches.size()), cluster);
     for (const auto& [point, normal] : facts) facts_.add(point, normal);
     push_element(patches, area, element.area / cluster_areas_[element.cluster], cluster);

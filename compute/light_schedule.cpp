@@ -42,12 +42,15 @@ bool same_place(const Light& a, const Light& b) {
 /// About how many rays a pair takes.
 std::uint64_t rays_of(const Light& light, const LightBlock& block) {
   if (light.type == LightType::directional) return block.patch_count;
-  // Patches that look large are cut: about two for each largest solid angle that the block covers.
-  const double distance = std::max(block.radius, glm::length(light.position - block.centre));
-  const double sine = distance > 0.0 ? block.radius / distance : 1.0;
-  const double covered = 2.0 * kPi * (1.0 - std::sqrt(std::max(0.0, 1.0 - sine * sine)));
-  const double cut = 2.0 * covered / max_patch_solid_angle(light);
-  return block.patch_count + (8.0 * cut > block.patch_count ? static_cast<std::uint64_t>(cut) : 0);
+  // Patches that look large are cut: about two for each largest solid angle that they cover, were the block a
+  // disc.
+  const double height = std::max(0.0, glm::dot(block.axis, light.position) - block.highest);
+  const double solid_angle = max_patch_solid_angle(light), squared = block.radius * block.radius;
+  const bool cut = kPi * squared / std::max(1u, block.patch_count) > solid_angle * height * height;
+  const double away = std::max(height, glm::length(light.position - block.centre) - block.radius);
+  if (!cut || squared == 0.0) return block.patch_count;
+  const double covered = 2.0 * kPi * (1.0 - away / std::sqrt(away * away + squared));
+  return block.patch_count + static_cast<std::uint64_t>(2.0 * covered / solid_angle);
 }
 
 /// Balls around runs of blocks.
@@ -67,9 +70,11 @@ std::vector<LightBlock> group(const std::vector<LightBlock>& blocks) {
 }  // namespace
 
 bool may_reach(const Light& light, const LightBlock& block) {
-  const bool in_range =
-      light.type == LightType::directional || reaches_ball(light, block.centre, block.radius);
-  return in_range && faces(light, block);
+  if (!faces(light, block)) return false;
+  if (light.type == LightType::directional) return true;
+  const double height = glm::dot(block.axis, light.position) - block.highest;
+  const bool above = light.range > 0.0 && height * (1.0 - kSlack) >= light.range;
+  return !above && reaches_ball(light, block.centre, block.radius);
 }
 
 LightSchedule::LightSchedule(std::shared_ptr<const std::vector<LightBlock>> blocks, const glm::dvec3& origin,
@@ -96,6 +101,12 @@ std::vector<std::uint32_t> LightSchedule::reached_blocks(const Light& light) con
     }
   }
   return reached;
+}
+
+std::size_t LightSchedule::pairs_of(const Light& light) const {
+  Light local = light;
+  local.position -= origin_;
+  return reached_blocks(local).size();
 }
 
 Result<void> LightSchedule::set_lights(std::span<const Light> lights) {

@@ -32,8 +32,9 @@ struct LightBlock {
   glm::dvec3 centre{0.0};
   double radius = 0.0;  ///< of a ball around it
   glm::dvec3 axis{0.0, 0.0, 1.0};
-  double spread = 0.0;  ///< all normals are this near to the axis, as points of the unit sphere
-  double lowest = 0.0;  ///< least dot(axis, point) of its points
+  double spread = 0.0;   ///< all normals are this near to the axis, as points of the unit sphere
+  double lowest = 0.0;   ///< least dot(axis, point) of its points ...
+  double highest = 0.0;  ///< ... and the largest
 };
 
 /// Whether a light (position about the origin of the model) may give the block anything.
@@ -81,6 +82,9 @@ class LightSchedule {
   /// nothing, when there are more lights or pairs than the limits.
   Result<void> set_lights(std::span<const Light> lights);
 
+  /// Blocks that a light of the frame may reach: what it counts against the limit of pairs.
+  std::size_t pairs_of(const Light& light) const;
+
   /// Everything is traced again: masks or matrices of the host's have changed, or work was lost.
   void retrace();
 
@@ -91,6 +95,8 @@ class LightSchedule {
   LightWork take(const LightWorkLimits& limits);
 
   const std::vector<Light>& lights() const { return lights_; }  ///< about the origin of the model
+  std::uint32_t max_lights() const { return max_lights_; }
+  std::uint32_t max_pairs() const { return max_pairs_; }
   std::uint64_t pair_count() const { return pair_count_; }
 
   /// Set by set_lights(), cleared by whoever has written the lights to the device.

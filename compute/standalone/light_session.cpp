@@ -26,6 +26,25 @@ Result<std::vector<Rgb>> read_rgb(StandaloneDevice& device, const BufferRange& r
   return values;
 }
 
+Result<void> add_rgb(const Result<std::vector<Rgb>>& values, std::vector<Rgb>& sum) {
+  if (!values) return failed(values.error());
+  sum.resize(values->size(), Rgb(0.0));
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += (*values)[i];
+  return {};
+}
+
+/// How many of them, from the first, stay below the limits; at least one.
+std::size_t lights_that_fit(const LightSchedule& schedule, std::span<const Light> lights) {
+  std::uint64_t pairs = 0;
+  std::size_t count = 0;
+  while (count < lights.size() && count < schedule.max_lights()) {
+    pairs += schedule.pairs_of(lights[count]);
+    if (count > 0 && pairs > schedule.max_pairs()) break;
+    ++count;
+  }
+  return count;
+}
+
 }  // namespace
 
 Result<LightSession> LightSession::create(StandaloneDevice& device, const Model& model,
@@ -140,12 +159,15 @@ Result<DeviceDirectLight> direct_light_on_device(StandaloneDevice& device, const
                                                  std::span<const Light> lights) {
   auto session = LightSession::create(device, model);
   if (!session) return failed(session.error());
-  if (auto lit = session->set_lights(lights); !lit) return failed(lit.error());
-  auto clusters = session->read_clusters();
-  if (!clusters) return failed(clusters.error());
-  auto gather = session->read_gather();
-  if (!gather) return failed(gather.error());
-  return DeviceDirectLight{std::move(*clusters), std::move(*gather)};
+  DeviceDirectLight sum;
+  do {
+    const std::size_t batch = lights_that_fit(session->schedule(), lights);
+    if (auto lit = session->set_lights(lights.first(batch)); !lit) return failed(lit.error());
+    if (auto added = add_rgb(session->read_clusters(), sum.clusters); !added) return failed(added.error());
+    if (auto added = add_rgb(session->read_gather(), sum.gather); !added) return failed(added.error());
+    lights = lights.subspan(batch);
+  } while (!lights.empty());
+  return sum;
 }
 
 }  // namespace relume

@@ -86,7 +86,8 @@ struct DeviceDirectLight {
   std::vector<Rgb> gather;    ///< per gather row (lumels, sensors)
 };
 
-/// direct_irradiance() of the precompute, on a device. All systems are loaded.
+/// direct_irradiance() of the precompute, on a device: of any number of lights, in batches. All systems are
+/// loaded.
 Result<DeviceDirectLight> direct_light_on_device(StandaloneDevice& device, const Model& model,
                                                  std::span<const Light> lights);
 
