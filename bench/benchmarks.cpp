@@ -18,12 +18,14 @@ namespace {
 
 constexpr double kLumels = 12000.0;
 
-constexpr std::array<Benchmark, 4> kBenchmarks{{
+constexpr std::array<Benchmark, 5> kBenchmarks{{
     {"precompute_vs_embree", "time of a precompute against that of bare Embree for the same rays",
      precompute_vs_embree},
     {"error", "error and size of models for error targets and flat budgets, against a converged answer",
      error},
     {"sampling", "error of rows over clusters of 0.5 m and speed, of our rays and of random ones", sampling},
+    {"shadow_rays", "shadow rays a second of the device against Embree, and milliseconds for lights",
+     shadow_rays},
     {"solve", "form factors a second of the reference product and of each device kernel", solve},
 }};
 

@@ -44,6 +44,9 @@ Measurements error(const BenchmarkOptions& options);
 /// Errors of rows over clusters of 0.5 m, and rays a second, of our rays and of independent random ones.
 Measurements sampling(const BenchmarkOptions& options);
 
+/// Shadow rays a second of the device against Embree's, and the time that lights take.
+Measurements shadow_rays(const BenchmarkOptions& options);
+
 /// The scene of `options`, and its precompute options.
 Result<Scene> benchmark_scene(const BenchmarkOptions& options);
 double area_of(const Scene& scene);  ///< m2

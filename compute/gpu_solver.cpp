@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "compute/device_requirements.h"
+#include "compute/guest.h"
 #include "compute/pass_buffers.h"
 #include "compute/record_upload.h"
 #include "compute/solver_data.h"
@@ -21,18 +21,6 @@ constexpr std::pair<RowKernel, std::string_view> kRowKernelNames[] = {
     {RowKernel::row_per_thread, "row_per_thread"},
     {RowKernel::row_per_8_lanes, "row_per_8_lanes"},
 };
-
-Result<VkPhysicalDeviceLimits> device_limits(const HostDevice& host) {
-  if (auto required = device_requirements(host.get_instance_proc_addr, host.instance, host.physical_device);
-      !required) {
-    return tl::unexpected<Error>(required.error());
-  }
-  const auto get_properties = reinterpret_cast<PFN_vkGetPhysicalDeviceProperties>(
-      host.get_instance_proc_addr(host.instance, "vkGetPhysicalDeviceProperties"));
-  VkPhysicalDeviceProperties properties{};
-  get_properties(host.physical_device, &properties);
-  return properties.limits;
-}
 
 /// Both alignments are powers of two.
 LayoutLimits layout_limits(const VkPhysicalDeviceLimits& limits) {

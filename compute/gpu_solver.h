@@ -133,7 +133,9 @@ struct FrameInputs {
   std::span<const InputCopy> copies{};
   std::span<const MaterialPass* const> materials{};  ///< of systems whose states changed
   std::span<const ScreenFrame> screens{};
-  SystemRecorder write_inputs{};  ///< for each active system: writes what input() gives, direct light say
+  /// For each active system: writes what input() gives. So does DirectLight::record (compute/direct_light.h)
+  /// of an object of that system alone, whose kClusterLight is input(system, direct).
+  SystemRecorder write_inputs{};
 };
 
 struct FrameOutputs {

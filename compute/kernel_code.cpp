@@ -3,6 +3,10 @@
 
 #include "spirv/bounce_row_per_8_lanes.h"
 #include "spirv/bounce_row_per_thread.h"
+#include "spirv/direct_clusters.h"
+#include "spirv/direct_gather.h"
+#include "spirv/direct_sum.h"
+#include "spirv/direct_trace.h"
 #include "spirv/gather_row_per_8_lanes.h"
 #include "spirv/gather_row_per_thread.h"
 #include "spirv/import_radiosity.h"
@@ -13,6 +17,7 @@
 #include "spirv/nodes.h"
 #include "spirv/residual.h"
 #include "spirv/screen.h"
+#include "spirv/shadow_rays.h"
 #include "spirv/start.h"
 
 namespace relume {
@@ -45,6 +50,16 @@ std::span<const std::uint32_t> kernel_code(KernelId kernel) {
       return materials_spirv;
     case KernelId::screen:
       return screen_spirv;
+    case KernelId::direct_trace:
+      return direct_trace_spirv;
+    case KernelId::direct_sum:
+      return direct_sum_spirv;
+    case KernelId::direct_clusters:
+      return direct_clusters_spirv;
+    case KernelId::direct_gather:
+      return direct_gather_spirv;
+    case KernelId::shadow_rays:
+      return shadow_rays_spirv;
   }
   return {};
 }
@@ -77,6 +92,16 @@ const char* kernel_file_name(KernelId kernel) {
       return "materials";
     case KernelId::screen:
       return "screen";
+    case KernelId::direct_trace:
+      return "direct_trace";
+    case KernelId::direct_sum:
+      return "direct_sum";
+    case KernelId::direct_clusters:
+      return "direct_clusters";
+    case KernelId::direct_gather:
+      return "direct_gather";
+    case KernelId::shadow_rays:
+      return "shadow_rays";
   }
   return "";
 }

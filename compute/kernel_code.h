@@ -21,6 +21,11 @@ enum class KernelId : std::uint32_t {
   lightmap_rgb9e5,
   materials,
   screen,
+  direct_trace,
+  direct_sum,
+  direct_clusters,
+  direct_gather,
+  shadow_rays,
 };
 
 /// The SPIR-V of a kernel, embedded when the library was built. Valid for ever.

@@ -7,7 +7,7 @@
 #include <limits>
 #include <map>
 
-#include "precompute/ray_offset.h"
+#include "core/ray_offset.h"
 #include "scene/scene_opacity.h"
 #include "scene/surface_color.h"
 

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "precompute/ray_offset.h"
+#include "core/ray_offset.h"
 #include "precompute/sampling.h"
 
 namespace relume {

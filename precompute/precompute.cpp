@@ -16,6 +16,7 @@
 #include "precompute/clearance.h"
 #include "precompute/estimate.h"
 #include "precompute/lift_sensor.h"
+#include "precompute/light_samples.h"
 #include "precompute/pilot.h"
 #include "precompute/process_memory.h"
 #include "precompute/rig.h"
@@ -239,6 +240,8 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
   report.seconds_rows = seconds_since(rows_start);
   if (!model) return model;
   add_sensors(options, rows->sensor_systems, *model);
+  if (auto added = add_light_samples(surfaces.geometry, caster, *model); !added)
+    return tl::unexpected(added.error());
   light_model(scene, surfaces.geometry, caster, *model, report.warnings);
   if (!scene.cameras.empty()) model->camera = scene.cameras.front();
   model->provenance = {scene.file_name, "relume 0.1.0", caster.description(),

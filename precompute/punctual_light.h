@@ -3,15 +3,13 @@
 // What point, spot and directional lights give when nothing is in between (core/light.h has the formulas).
 #pragma once
 
-#include <array>
 #include <glm/vec3.hpp>
 
 #include "core/light.h"
+#include "core/light_patches.h"
 #include "core/quantities.h"
 
 namespace relume {
-
-using TriangleCorners = std::array<glm::dvec3, 3>;
 
 /// Solid angle (sr) of a triangle seen from a point; 0 when the point lies in its plane (A. van Oosterom, J.
 /// Strackee, The Solid Angle of a Plane Triangle, 1983).

@@ -13,7 +13,7 @@
 
 #include "precompute/opacity.h"
 #include "precompute/overlap_in_plane.h"
-#include "precompute/ray_offset.h"
+#include "core/ray_offset.h"
 
 namespace relume {
 namespace {

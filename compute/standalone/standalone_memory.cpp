@@ -4,6 +4,7 @@
 #include <vulkan/vulkan.h>
 
 #include <algorithm>
+#include <cstring>
 #include <string>
 
 #include "compute/vulkan_error.h"
@@ -101,6 +102,27 @@ Result<DeviceBuffer> make_device_buffer(const StandaloneDevice& device, VkDevice
   result.memory = std::move(*memory);
   if (auto bound = bind_and_map(owner, result, kind); !bound) return tl::unexpected<Error>(bound.error());
   return result;
+}
+
+Result<std::vector<float>> read_floats(StandaloneDevice& device, const BufferRange& range,
+                                       std::size_t count) {
+  std::vector<float> values(count);
+  if (count == 0) return values;
+  const VkDeviceSize bytes = count * sizeof(float);
+  auto readback = make_device_buffer(device, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::readback);
+  if (!readback) return tl::unexpected<Error>(readback.error());
+  const auto times = device.submit([&](VkCommandBuffer commands) {
+    const VkBufferCopy copy{range.offset, 0, bytes};
+    vkCmdCopyBuffer(commands, range.buffer, readback->buffer.get(), 1, &copy);
+    auto barrier = vulkan_info<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
+    barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+    barrier.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
+    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier,
+                         0, nullptr, 0, nullptr);
+  });
+  if (!times) return tl::unexpected<Error>(times.error());
+  std::memcpy(values.data(), readback->mapped, bytes);
+  return values;
 }
 
 Result<BufferRange> DeviceArena::allocate(const BufferRequirement& requirement) {

@@ -35,6 +35,10 @@ struct DeviceBuffer {
 Result<DeviceBuffer> make_device_buffer(const StandaloneDevice& device, VkDeviceSize byte_size,
                                         VkBufferUsageFlags usage, MemoryKind kind);
 
+/// The first `count` floats of a range with usage TRANSFER_SRC, written by compute or copies of earlier
+/// submissions.
+Result<std::vector<float>> read_floats(StandaloneDevice& device, const BufferRange& range, std::size_t count);
+
 /// Hands out parts of large buffers, so that a model of many blocks needs few allocations. All is freed at
 /// once, with it.
 class DeviceArena {

@@ -161,7 +161,8 @@ Result<void> check_occluders(const Model& model) {
     return broken_model("occluders: expected finite lightmap coordinates");
   }
   if (auto checked = check_opacity(occluders.opacity, count); !checked) return checked;
-  return check_texture(occluders.texture, count);
+  if (auto checked = check_texture(occluders.texture, count); !checked) return checked;
+  return check_bvh(occluders);
 }
 
 /// Numbers over all systems fit 32 bits.

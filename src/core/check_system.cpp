@@ -4,6 +4,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/light_patches.h"
 #include "core/model_checks.h"
 
 namespace relume {
@@ -182,6 +183,27 @@ Result<void> check_lumels(const SystemPlace& at) {
                       *twin & 0xffffu, *twin >> 16);
 }
 
+/// What direct light is sampled with.
+Result<void> check_light_samples(const SystemPlace& at) {
+  const System& system = at.system;
+  if (system.lifted_sensors.size() != system.sensors.size() ||
+      !std::all_of(system.lifted_sensors.begin(), system.lifted_sensors.end(),
+                   [](const glm::vec3& p) { return finite(p); })) {
+    return broken_model("system {}: expected {} finite points where sensors measure, found {}", at.index,
+                        system.sensors.size(), system.lifted_sensors.size());
+  }
+  if (system.own_patches.empty()) return {};
+  const std::size_t patches = patch_count(at.model, system);
+  const std::size_t unused = 32 * system.own_patches.size() - patches;
+  if (system.own_patches.size() != (patches + 31) / 32 ||
+      (unused > 0 && system.own_patches.back() >> (32 - unused) != 0)) {
+    return broken_model(
+        "system {}: expected a bit for each of {} light patches and zeros after them, found {} words",
+        at.index, patches, system.own_patches.size());
+  }
+  return {};
+}
+
 Result<void> check_sensors_and_charts(const SystemPlace& at) {
   for (std::size_t index = 0; index < at.system.sensors.size(); ++index) {
     const Sensor& sensor = at.system.sensors[index];
@@ -295,6 +317,7 @@ Result<void> check_system(const Model& model, std::size_t index) {
   if (auto checked = check_elements(at); !checked) return checked;
   if (auto checked = check_lumels(at); !checked) return checked;
   if (auto checked = check_sensors_and_charts(at); !checked) return checked;
+  if (auto checked = check_light_samples(at); !checked) return checked;
   if (auto checked =
           check_tree(at.system.tree, at.system.clusters.size(), fmt::format("system {}", at.index));
       !checked) {

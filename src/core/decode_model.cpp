@@ -222,6 +222,8 @@ std::optional<Result<void>> read_model_section(const Section& section, Model& mo
   if (id == kOpacityTexels) return read_array(section, occluders.opacity.texels);
   if (id == kOpacityTriangles) return read_array(section, occluders.opacity.triangles);
   if (id == kTextureTriangles) return read_array(section, occluders.texture);
+  if (id == kBvhNodes) return read_array(section, occluders.bvh.nodes);
+  if (id == kBvhTriangles) return read_array(section, occluders.bvh.triangles);
   if (id != kSensorNames) return std::nullopt;
   return read_records<std::string>(section, model.sensor_names,
                                    [](ByteReader& reader) { return reader.take_string(); });
@@ -234,8 +236,10 @@ std::optional<Result<void>> read_system_section(const Section& section, System& 
   if (id == kClusters) return read_array(section, system.clusters);
   if (id == kElements) return read_array(section, system.elements);
   if (id == kPieces) return read_array(section, system.pieces);
+  if (id == kOwnPatches) return read_array(section, system.own_patches);
   if (id == kLumels) return read_array(section, system.lumels);
   if (id == kSensors) return read_array(section, system.sensors);
+  if (id == kLiftedSensors) return read_array(section, system.lifted_sensors);
   if (id == kCharts) return read_array(section, system.charts);
   if (id == kTree) return read_array(section, system.tree.nodes);
   if (id == kTreeShares) return read_array(section, system.tree.shares);

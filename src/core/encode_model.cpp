@@ -104,6 +104,8 @@ void add_occluders(const Occluders& occluders, SectionWriter& file) {
   file.add_array(kOpacityTexels, kNone, occluders.opacity.texels);
   file.add_array(kOpacityTriangles, kNone, occluders.opacity.triangles);
   file.add(kTextureTriangles, kNone, std::as_bytes(std::span(occluders.texture)), kSectionOptional);
+  file.add_array(kBvhNodes, kNone, occluders.bvh.nodes);
+  file.add_array(kBvhTriangles, kNone, occluders.bvh.triangles);
 }
 
 void add_matrix(const BlockMatrix& matrix, std::string_view id, std::uint32_t owner, SectionWriter& file) {
@@ -131,8 +133,10 @@ void add_system(const System& system, std::uint32_t index, SectionWriter& file) 
   file.add_array(kClusters, index, system.clusters);
   file.add_array(kElements, index, system.elements);
   file.add_array(kPieces, index, system.pieces);
+  file.add_array(kOwnPatches, index, system.own_patches);
   file.add_array(kLumels, index, system.lumels);
   file.add_array(kSensors, index, system.sensors);
+  file.add_array(kLiftedSensors, index, system.lifted_sensors);
   file.add_array(kCharts, index, system.charts);
   file.add_array(kTree, index, system.tree.nodes);
   file.add_array(kTreeShares, index, system.tree.shares);

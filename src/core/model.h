@@ -17,6 +17,7 @@
 
 #include "core/block_matrix.h"
 #include "core/light.h"
+#include "core/occluder_bvh.h"
 #include "core/opacity.h"
 #include "core/quantities.h"
 
@@ -154,11 +155,15 @@ struct System {
   bool loaded = true;                ///< false: all but the name is empty (read_systems)
   std::uint32_t lightmap_width = 0;  ///< lumels
   std::uint32_t lightmap_height = 0;
-  std::vector<Cluster> clusters;         ///< rows of `bounce`
-  std::vector<SurfaceElement> elements;  ///< grouped by cluster
-  std::vector<SurfacePiece> pieces;      ///< grouped by element
-  std::vector<Lumel> lumels;             ///< rows [0, lumels) of `gather`
-  std::vector<Sensor> sensors;           ///< rows [lumels, lumels + sensors) of `gather`
+  std::vector<Cluster> clusters;          ///< rows of `bounce`
+  std::vector<SurfaceElement> elements;   ///< grouped by cluster
+  std::vector<SurfacePiece> pieces;       ///< grouped by element
+  /// A bit for each light patch (core/light_patches.h), element by element, lowest first: whether it belongs to its element; empty: all
+  /// do.
+  std::vector<std::uint32_t> own_patches;
+  std::vector<Lumel> lumels;              ///< rows [0, lumels) of `gather`
+  std::vector<Sensor> sensors;            ///< rows [lumels, lumels + sensors) of `gather`
+  std::vector<glm::vec3> lifted_sensors;  ///< per sensor: where it measures, off the surface that it lies on
   std::vector<LightmapChart> charts;
   ClusterTreeNodes
       tree;  ///< over `clusters`: the nodes that some system imports, or a node above the systems spans
@@ -204,6 +209,7 @@ struct Occluders {
   Opacity opacity;  ///< of the triangles that let light through
   /// Ascending by triangle: those that have texture coordinates and a material with a texture, or one that may emit.
   std::vector<TextureTriangle> texture;
+  OccluderBvh bvh;  ///< over those that stop any
 };
 
 /// A perspective camera for previews.

@@ -26,6 +26,9 @@ Result<void> check_opacity(const Opacity& opacity, std::size_t triangles);
 /// Texture coordinates of ascending triangles, of so many.
 Result<void> check_texture(const std::vector<TextureTriangle>& texture, std::size_t triangles);
 
+/// The promises of core/occluder_bvh.h; triangles and opacity are checked before.
+Result<void> check_bvh(const Occluders& occluders);
+
 /// A cluster, sky patch or node that there is. Whether a system that is not loaded has it is not known.
 Result<void> check_sender(const Model& model, const SenderRef& sender, const std::string& owner);
 

@@ -29,6 +29,8 @@ inline constexpr std::string_view kOpacityMaps = "OAMP";
 inline constexpr std::string_view kOpacityTexels = "OATX";
 inline constexpr std::string_view kOpacityTriangles = "OATR";
 inline constexpr std::string_view kTextureTriangles = "OTEX";
+inline constexpr std::string_view kBvhNodes = "OBVN";
+inline constexpr std::string_view kBvhTriangles = "OBVT";
 
 inline constexpr std::string_view kSystem = "SYST";
 inline constexpr std::string_view kClusters = "CLUS";
@@ -36,6 +38,8 @@ inline constexpr std::string_view kElements = "ELEM";
 inline constexpr std::string_view kPieces = "PIEC";
 inline constexpr std::string_view kLumels = "LUML";
 inline constexpr std::string_view kSensors = "SENS";
+inline constexpr std::string_view kOwnPatches = "OWNP";
+inline constexpr std::string_view kLiftedSensors = "SLFT";
 inline constexpr std::string_view kCharts = "CHRT";
 inline constexpr std::string_view kTree = "TREE";
 inline constexpr std::string_view kTreeShares = "TREW";

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "compute/standalone/light_session.h"
 #include "compute/standalone/solve_on_device.h"
 #include "compute/standalone/standalone_device.h"
 #include "core/methods/room_correction.h"
@@ -119,6 +120,15 @@ const std::vector<std::string>& kernel_names() {
   static const std::vector<std::string> names{std::string(row_kernel_name(RowKernel::row_per_thread)),
                                               std::string(row_kernel_name(RowKernel::row_per_8_lanes))};
   return names;
+}
+
+Result<std::vector<Rgb>> direct_by_vulkan(const Model& model, const std::vector<Light>& lights,
+                                          const std::string& device_name) {
+  Result<StandaloneDevice> device = StandaloneDevice::create({.device_name = device_name});
+  if (!device) return tl::unexpected(device.error());
+  Result<DeviceDirectLight> direct = direct_light_on_device(*device, model, lights);
+  if (!direct) return tl::unexpected(direct.error());
+  return std::move(direct->clusters);
 }
 
 Result<SolveOutcome> solve(const Model& model, const Lighting& lighting, const StopRule& rule,

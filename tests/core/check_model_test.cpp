@@ -117,6 +117,83 @@ TEST(CheckModel, RefusesBrokenTextureCoordinates) {
   });
 }
 
+/// A root over a leaf of the first two triangles and a node over the others.
+Model with_two_nodes() {
+  Model model = test::tiny_model();
+  OccluderBvh& bvh = model.occluders.bvh;
+  bvh.nodes.push_back(bvh.nodes[0]);
+  bvh.nodes[0].children = {1, bvh_leaf_child({0, 2}), kBvhNoChild, kBvhNoChild};
+  bvh.nodes[1].children[0] = bvh_leaf_child({2, 2});
+  for (auto& axis : bvh.nodes[0].upper) axis[1] = axis[0];
+  return model;
+}
+
+TEST(CheckModel, TakesATreeOfTwoNodes) {
+  const auto checked = check_model(with_two_nodes());
+  EXPECT_TRUE(checked) << checked.error().message;
+}
+
+TEST(CheckModel, RefusesABrokenTreeOfOccluders) {
+  const auto in_tree = [](void (*change)(OccluderBvh&)) {
+    return [change](Model& m) {
+      m = with_two_nodes();
+      change(m.occluders.bvh);
+    };
+  };
+  expect_refused({
+      {in_tree([](OccluderBvh& b) { b.nodes[0].children[0] = 0; }),
+       "node 0 of the tree of occluders: expected a child above it"},
+      {in_tree([](OccluderBvh& b) { b.nodes[1].children[1] = 0; }),
+       "node 1 of the tree of occluders: expected a child above it"},
+      {in_tree([](OccluderBvh& b) { b.nodes[0].children[0] = 2; }),
+       "and below 2 that has one parent, found 2"},
+      {in_tree([](OccluderBvh& b) { b.nodes[0].children[1] = 1; }), "that has one parent, found 1"},
+      {in_tree([](OccluderBvh& b) {
+         b.nodes[0].children[0] = bvh_leaf_child({2, 2});
+       }),
+       "found it in two"},
+      {in_tree([](OccluderBvh& b) {
+         b.nodes[1].children[0] = bvh_leaf_child({3, 2});
+       }),
+       "expected entries below 4, found 2 from 3 on"},
+      {in_tree([](OccluderBvh& b) {
+         b.nodes[1].children[0] = bvh_leaf_child({2, 1});
+       }),
+       "expected entry 3 in a leaf"},
+      {in_tree([](OccluderBvh& b) { b.nodes[1].children[0] = kBvhNoChild; }),
+       "node 1 of the tree of occluders: expected a child"},
+      {in_tree([](OccluderBvh& b) {
+         b.nodes[0].children[1] = kBvhNoChild, b.nodes[0].children[2] = bvh_leaf_child({0, 2});
+       }),
+       "expected no gaps"},
+      {in_tree([](OccluderBvh& b) { b.nodes[1].upper[1][0] = 128; }),
+       "node 1 of the tree of occluders: expected the box of child 0 around"},
+      {in_tree([](OccluderBvh& b) { b.nodes[0].lower[2][1] = 2; }),
+       "node 0 of the tree of occluders: expected the box of child 1 around"},
+      {in_tree([](OccluderBvh& b) { b.nodes[1].origin.x = kNotANumber; }), "expected a finite origin"},
+      {in_tree([](OccluderBvh& b) { b.nodes[1].exponents[1] = 255; }), "exponents from 1 to 254"},
+      {in_tree([](OccluderBvh& b) { b.nodes[0].zero[1] = 1; }), "and zeros"},
+      {in_tree([](OccluderBvh& b) { b.triangles[1] = 0; }), "each triangle below 4 at most once, found 0"},
+      {in_tree([](OccluderBvh& b) { b.triangles[1] = 4; }), "each triangle below 4 at most once, found 4"},
+      {in_tree([](OccluderBvh& b) { b = {}; }), "triangle 0 is missing"},
+      {in_tree([](OccluderBvh& b) { b.nodes.clear(); }), "expected entry 0 in a leaf"},
+  });
+}
+
+TEST(CheckModel, RefusesBrokenLightSamples) {
+  expect_refused({
+      {[](Model& m) { m.systems[0].lifted_sensors.clear(); },
+       "system 0: expected 1 finite points where sensors measure, found 0"},
+      {[](Model& m) { m.systems[0].lifted_sensors[0].x = kNotANumber; }, "finite points"},
+      // Two halves of 0.5 m2 are nine patches each.
+      {[](Model& m) { m.systems[0].own_patches = {1u << 18}; }, "a bit for each of 18 light patches"},
+      {[](Model& m) {
+         m.systems[0].own_patches = {0, 0};
+       },
+       "found 2 words"},
+  });
+}
+
 TEST(CheckModel, RefusesBrokenSurfaces) {
   expect_refused({
       {[](Model& m) { m.systems[1].clusters[0].centroid.x = kNotANumber; },

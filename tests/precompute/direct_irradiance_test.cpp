@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "precompute/light_samples.h"
 #include "precompute/punctual_light.h"
 #include "support/quad_model.h"
 
@@ -260,6 +261,7 @@ TEST(DirectIrradiance, PiecesThatReachThroughAWallTakeNoLightFromBehindIt) {
   Model model;
   add_quad(model, floor_quad(1.0), 1);
   add_quad(model, {{0.25, -1, -2}, {0, 4, 0}, {0, 0, 4}}, 0);
+  ASSERT_TRUE(add_light_samples(model));
   EXPECT_EQ(light(model, {point_light({0.6, 1, 0})}).clusters[0].x, 0.0);
   // And from a lamp on its own side, the mean is over what belongs to it: a sun is not thinned by the part
   // behind.

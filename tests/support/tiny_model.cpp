@@ -20,6 +20,13 @@ Occluders two_quads() {
   opacity.triangles = {{1, 0, {{{0, 0, 1}, {1, 0, 1}, {1, 1, 0.5}}}},
                        {3, 1, {{{0, 0, 0.25}, {0, 0, 0.25}, {0, 0, 0.25}}}}};
   occluders.texture = {{2, {glm::vec2{0, 0}, glm::vec2{1, 0}, glm::vec2{1, 1}}}};
+  // One leaf of all triangles, in a box of 131 steps of 1/128 m, one of which lies around the scene.
+  BvhNode root;
+  root.origin = glm::vec3(-0x1p-7f);
+  root.exponents = {120, 120, 120, 0};
+  for (auto& axis : root.upper) axis[0] = 130;
+  root.children[0] = bvh_leaf_child({0, 4});
+  occluders.bvh = {{root}, {0, 1, 2, 3}};
   return occluders;
 }
 
@@ -94,6 +101,7 @@ Model tiny_model() {
 
   System floor = quad_system("floor", 0, 0.0f, 1.0f);
   floor.sensors = {{{100.5, 0.25, -99.5}, {0.0f, 1.0f, 0.0f}, 0}};
+  floor.lifted_sensors = {{0.5f, 0.25f, 0.5f}};
   floor.imports = {{1, 0}, {kSkySystem, 0}};
   floor.bounce = matrix_of(2, ValueCodec::f32, {{0.2, 0.5}});
   floor.gather = matrix_of(2, ValueCodec::unorm16, {{0.2, 0.5}, {0.25, 0.0}});

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+#include "compute/standalone/light_session.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+namespace relume {
+namespace {
+
+tl::unexpected<Error> failed(const Error& error) {
+  return tl::unexpected<Error>(error);
+}
+
+void add(SubmitTimes& sum, const SubmitTimes& times) {
+  sum.seconds += times.seconds;
+  sum.gpu_seconds += times.gpu_seconds;
+}
+
+Result<std::vector<Rgb>> read_rgb(StandaloneDevice& device, const BufferRange& range, std::size_t count) {
+  const auto floats = read_floats(device, range, 4 * count);
+  if (!floats) return failed(floats.error());
+  std::vector<Rgb> values;
+  for (std::size_t i = 0; i < count; ++i)
+    values.emplace_back((*floats)[4 * i], (*floats)[4 * i + 1], (*floats)[4 * i + 2]);
+  return values;
+}
+
+Result<void> add_rgb(const Result<std::vector<Rgb>>& values, std::vector<Rgb>& sum) {
+  if (!values) return failed(values.error());
+  sum.resize(values->size(), Rgb(0.0));
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += (*values)[i];
+  return {};
+}
+
+/// How many of them, from the first, stay below the limits; at least one.
+std::size_t lights_that_fit(const LightSchedule& schedule, std::span<const Light> lights) {
+  std::uint64_t pairs = 0;
+  std::size_t count = 0;
+  while (count < lights.size() && count < schedule.max_lights()) {
+    pairs += schedule.pairs_of(lights[count]);
+    if (count > 0 && pairs > schedule.max_pairs()) break;
+    ++count;
+  }
+  return count;
+}
+
+}  // namespace
+
+Result<LightSession> LightSession::create(StandaloneDevice& device, const Model& model,
+                                          const LightSessionOptions& options) {
+  auto light = DirectLight::create(device.host(), model, options.light);
+  if (!light) return failed(light.error());
+  LightSession session(device, options, std::move(*light));
+  if (auto provided = session.provide_memory(model); !provided) return failed(provided.error());
+  return session;
+}
+
+Result<void> LightSession::provide_memory(const Model& model) {
+  std::vector<BufferRange> ranges;
+  for (const BufferRequirement& requirement : light_.buffers()) {
+    auto range = arena_.allocate(requirement);
+    if (!range) return failed(range.error());
+    ranges.push_back(*range);
+  }
+  if (auto bound = light_.bind(ranges); !bound) return bound;
+  if (auto staging = grow_staging(options_.staging_bytes); !staging) return staging;
+  if (auto uploaded = upload(light_.model_data(model)); !uploaded) return failed(uploaded.error());
+  return {};
+}
+
+Result<void> LightSession::grow_staging(VkDeviceSize bytes) {
+  if (staging_.byte_size >= bytes) return {};
+  auto staging = make_device_buffer(*device_, bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::upload);
+  if (!staging) return failed(staging.error());
+  staging_ = std::move(*staging);
+  return {};
+}
+
+Result<SubmitTimes> LightSession::upload(const UploadData& data) {
+  SubmitTimes sum;
+  UploadCursor cursor;
+  for (bool done = false; !done;) {
+    const auto times = device_->submit(
+        [&](VkCommandBuffer commands) {
+          done = light_.record_upload(commands, data, {staging_.range(), staging_.mapped}, cursor);
+        },
+        options_.timeout_seconds);
+    if (!times) return times;
+    add(sum, *times);
+  }
+  return sum;
+}
+
+Result<SubmitTimes> LightSession::set_lights(std::span<const Light> lights, std::uint64_t* rays) {
+  if (auto set = schedule_.set_lights(lights); !set) return failed(set.error());
+  if (auto grown = grow_staging(light_.staging_bytes(lights.size())); !grown) return failed(grown.error());
+  SubmitTimes sum;
+  if (rays != nullptr) *rays = 0;
+  while (!schedule_.complete()) {
+    LightPart part;
+    const auto times = device_->submit(
+        [&](VkCommandBuffer commands) {
+          part = light_.record(commands, schedule_, {staging_.range(), staging_.mapped},
+                               options_.max_submit_rays);
+        },
+        options_.timeout_seconds);
+    if (!times) return times;
+    add(sum, *times);
+    if (rays != nullptr) *rays += part.cost;
+  }
+  return sum;
+}
+
+Result<void> LightSession::write_mask(std::span<const float> visibility) {
+  UploadData data;
+  const std::span bytes = std::as_bytes(visibility);
+  data.add_owned(kLightMask, 0, {bytes.begin(), bytes.end()});
+  if (auto uploaded = upload(data); !uploaded) return failed(uploaded.error());
+  return {};
+}
+
+Result<std::vector<Rgb>> LightSession::read_clusters() {
+  return read_rgb(*device_, light_.cluster_light(), light_.cluster_count());
+}
+
+Result<std::vector<Rgb>> LightSession::read_gather() {
+  return read_rgb(*device_, light_.gather_light(), light_.gather_row_count());
+}
+
+Result<std::vector<float>> LightSession::trace(std::span<const LightSegment> segments, SubmitTimes* times) {
+  std::vector<float> shares;
+  if (times != nullptr) *times = {};
+  for (std::size_t first = 0; first < segments.size(); first += light_.max_shadow_rays()) {
+    const auto count = std::min<std::size_t>(light_.max_shadow_rays(), segments.size() - first);
+    std::vector<std::array<float, 8>> rays;
+    for (const auto& [from, to] : segments.subspan(first, count))
+      rays.push_back({from.x, from.y, from.z, 0.0f, to.x, to.y, to.z, 0.0f});
+    UploadData data;
+    const std::span bytes = std::as_bytes(std::span(rays));
+    data.add_owned(kLightWork, 0, {bytes.begin(), bytes.end()});
+    if (auto uploaded = upload(data); !uploaded) return failed(uploaded.error());
+    const auto traced = device_->submit(
+        [&](VkCommandBuffer commands) {
+          light_.record_shadow_rays(commands, static_cast<std::uint32_t>(count));
+        },
+        options_.timeout_seconds);
+    if (!traced) return failed(traced.error());
+    if (times != nullptr) add(*times, *traced);
+    const auto read = read_floats(*device_, light_.buffer(kLightShares), count);
+    if (!read) return failed(read.error());
+    shares.insert(shares.end(), read->begin(), read->end());
+  }
+  retrace();
+  return shares;
+}
+
+Result<DeviceDirectLight> direct_light_on_device(StandaloneDevice& device, const Model& model,
+                                                 std::span<const Light> lights) {
+  auto session = LightSession::create(device, model);
+  if (!session) return failed(session.error());
+  DeviceDirectLight sum;
+  do {
+    const std::size_t batch = lights_that_fit(session->schedule(), lights);
+    if (auto lit = session->set_lights(lights.first(batch)); !lit) return failed(lit.error());
+    if (auto added = add_rgb(session->read_clusters(), sum.clusters); !added) return failed(added.error());
+    if (auto added = add_rgb(session->read_gather(), sum.gather); !added) return failed(added.error());
+    lights = lights.subspan(batch);
+  } while (!lights.empty());
+  return sum;
+}
+
+}  // namespace relume

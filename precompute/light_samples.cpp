@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#include "precompute/light_samples.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <vector>
+
+#include "core/light_patches.h"
+#include "core/ray_offset.h"
+#include "precompute/embree_bvh.h"
+#include "precompute/lift_sensor.h"
+#include "precompute/mutual_visibility.h"
+
+namespace relume {
+namespace {
+
+/// Per element, per patch.
+using OwnPatches = std::vector<std::vector<bool>>;
+
+OwnPatches find_own_patches(const Geometry& geometry, const RayCaster& caster, const Model& model,
+                            const System& system) {
+  OwnPatches own(system.elements.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, own.size(), 64), [&](const auto& range) {
+    for (std::size_t e = range.begin(); e < range.end(); ++e) {
+      const SurfaceElement& element = system.elements[e];
+      for (const LightPatch& patch : element_patches(model, system, element)) {
+        const SurfacePoint point{glm::vec3(patch_point(patch)), glm::vec3(patch.normal)};
+        own[e].push_back(mutually_visible(geometry, caster, {element.position, element.normal}, point));
+      }
+    }
+  });
+  return own;
+}
+
+/// Empty where all belong.
+std::vector<std::uint32_t> as_bits(const OwnPatches& own) {
+  std::vector<std::uint32_t> words;
+  std::size_t count = 0;
+  bool all = true;
+  for (const std::vector<bool>& element : own) {
+    for (const bool owned : element) {
+      if (count % 32 == 0) words.push_back(0);
+      if (owned) words.back() |= 1u << count % 32;
+      all = all && owned;
+      ++count;
+    }
+  }
+  return all ? std::vector<std::uint32_t>() : words;
+}
+
+}  // namespace
+
+Geometry occluder_geometry(const Model& model) {
+  Geometry geometry;
+  geometry.origin = model.origin;
+  geometry.positions = model.occluders.positions;
+  geometry.triangles = model.occluders.triangles;
+  geometry.offset = ray_offset(geometry.positions);
+  if (!geometry.triangles.empty())
+    geometry.lower = geometry.upper = geometry.positions[geometry.triangles[0][0]];
+  for (const auto& triangle : geometry.triangles) {
+    const glm::dvec3 p0 = geometry.positions[triangle[0]];
+    const glm::dvec3 cross = glm::cross(glm::dvec3(geometry.positions[triangle[1]]) - p0,
+                                        glm::dvec3(geometry.positions[triangle[2]]) - p0);
+    const double length = glm::length(cross);
+    geometry.normals.push_back(length > 0.0 ? glm::vec3(cross / length) : glm::vec3(0.0f, 1.0f, 0.0f));
+    for (const auto corner : triangle) {
+      geometry.lower = glm::min(geometry.lower, geometry.positions[corner]);
+      geometry.upper = glm::max(geometry.upper, geometry.positions[corner]);
+    }
+  }
+  return geometry;
+}
+
+Result<void> add_light_samples(const Geometry& geometry, const RayCaster& caster, Model& model) {
+  const Occluders& occluders = model.occluders;
+  auto bvh = build_occluder_bvh(occluders.positions, occluders.triangles, occluders.opacity);
+  if (!bvh) return tl::unexpected(bvh.error());
+  model.occluders.bvh = std::move(*bvh);
+  for (System& system : model.systems) {
+    system.own_patches = as_bits(find_own_patches(geometry, caster, model, system));
+    system.lifted_sensors.clear();
+    for (const Sensor& sensor : system.sensors) {
+      system.lifted_sensors.push_back(
+          lift_sensor(geometry, caster, sensor.position, glm::dvec3(sensor.normal)).position);
+    }
+  }
+  return {};
+}
+
+Result<void> add_light_samples(Model& model) {
+  const auto caster =
+      RayCaster::create(model.occluders.positions, model.occluders.triangles, model.occluders.opacity);
+  if (!caster) return tl::unexpected(caster.error());
+  return add_light_samples(occluder_geometry(model), *caster, model);
+}
+
+}  // namespace relume
