@@ -106,8 +106,8 @@ class DirectLight {
 
   /// Takes the next blocks of the schedule, about `max_rays` shadow rays (the cost of the part) but at least
   /// one block, and brings H of their elements, clusters and gather rows up to date. The staging memory
-  /// belongs to the command buffer until it has run. Changes the schedule and nothing else; not even that when
-  /// the staging memory is smaller than staging_bytes().
+  /// belongs to the command buffer until it has run. Changes the schedule and nothing else; not even that
+  /// when the staging memory is smaller than staging_bytes().
   PassPart record(VkCommandBuffer commands, LightSchedule& schedule, const Staging& staging,
                   std::uint64_t max_rays) const;
 
