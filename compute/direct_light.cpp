@@ -339,6 +339,7 @@ LightPart DirectLight::record(VkCommandBuffer commands, LightSchedule& schedule,
                               std::uint64_t max_rays) const {
   const DirectLightState& state = *state_;
   const ScopedLabel label(state.functions, commands, "relume direct light");
+  if (staging.range.byte_size < staging_bytes(schedule.lights().size())) return {schedule.complete(), 0};
   UploadData data;
   if (schedule.lights_changed) {
     std::vector<kernels::LightRecord> records;

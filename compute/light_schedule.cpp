@@ -15,6 +15,7 @@ namespace {
 constexpr std::size_t kGroupBlocks = 32;
 /// Beyond what single precision on the device can differ by.
 constexpr double kSlack = 1e-5;
+
 /// Range and cone of a point or spot light against a ball.
 bool reaches_ball(const Light& light, const glm::dvec3& centre, double radius) {
   const glm::dvec3 way = centre - light.position;

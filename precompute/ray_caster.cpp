@@ -11,9 +11,9 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "core/ray_offset.h"
 #include "precompute/opacity.h"
 #include "precompute/overlap_in_plane.h"
-#include "core/ray_offset.h"
 
 namespace relume {
 namespace {

@@ -131,14 +131,7 @@ float shadow_transmittance(vec3 from, vec3 to) {
   uint next = 0u;
   float transmittance = 1.0;
   while (next != kNoChild) {
-    if ((next & 0x80000000u) != 0u) {
-      const uint first = next & 0x1fffffffu;
-      const uint end = first + ((next >> 29) & 3u) + 1u;
-      for (uint index = first; index < end && transmittance > 0.0; ++index)
-        transmittance = behind_triangle(index, from, way, transmittance);
-      if (transmittance <= 0.0) return 0.0;
-      next = kNoChild;
-    } else {
+    while ((next & 0x80000000u) == 0u) {
       const uvec4 head = node_words(4u * next);
       const uvec4 middle = node_words(4u * next + 1u);
       const uvec4 tail = node_words(4u * next + 2u);
@@ -156,8 +149,15 @@ float shadow_transmittance(vec3 from, vec3 to) {
         if (next != kNoChild) stack[depth++] = next;
         next = child[k];
       }
+      if (next == kNoChild && depth > 0u) next = stack[--depth];
     }
-    if (next == kNoChild && depth > 0u) next = stack[--depth];
+    if (next == kNoChild) break;
+    const uint first = next & 0x1fffffffu;
+    const uint end = first + ((next >> 29) & 3u) + 1u;
+    for (uint index = first; index < end && transmittance > 0.0; ++index)
+      transmittance = behind_triangle(index, from, way, transmittance);
+    if (transmittance <= 0.0) return 0.0;
+    next = depth > 0u ? stack[--depth] : kNoChild;
   }
   return transmittance;
 }

@@ -50,7 +50,8 @@ struct LightRecord {
   vec4 position;   // xyz; w: range, m, 0 = none
   vec4 direction;  // xyz: unit, where it shines; w: type, as bits
   vec4 intensity;  // cd or lux
-  vec4 cone;       // cosine of the outer angle, 1 / max(0.001, cos inner - cos outer), sine of the outer angle; w: patches that look larger (sr) are cut
+  vec4 cone;       // cosine of the outer angle, 1 / max(0.001, cos inner - cos outer), sine of the outer angle;
+                   // w: patches that look larger (sr) are cut
 };
 
 struct LightPiece {

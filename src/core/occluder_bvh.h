@@ -25,8 +25,8 @@ inline constexpr std::uint32_t kBvhStackSize = 64;
 /// what rounding of rays and boxes in single precision can miss.
 inline constexpr float kBvhMargin = 0x1p-21f;
 
-/// Child k covers, along each axis, origin + lower[axis][k] * step to origin + upper[axis][k] * step, computed
-/// in single precision. Stored.
+/// Child k covers, along each axis, origin + lower[axis][k] * step to origin + upper[axis][k] * step,
+/// computed in single precision. Stored.
 struct BvhNode {
   glm::vec3 origin{0.0f};
   std::array<std::uint8_t, 4> exponents{1, 1, 1, 0};  ///< step = 2^(exponent - 127), 1..254; the last is 0

@@ -16,6 +16,7 @@
 #include "precompute/ray_caster.h"
 #include "support/alpha_materials.h"
 #include "support/quad_model.h"
+#include "support/rooms_in_a_row.h"
 #include "verification/rooms.h"
 #include "verification/whole_path.h"
 
@@ -203,6 +204,28 @@ TEST_F(DeviceLight, SlicesAndFetchDoNotChangeABit) {
   options.staging_bytes = 2000;
   LightSession sliced = session(model, options);
   const DeviceDirectLight found = lit(sliced, all_kinds());
+  EXPECT_EQ(found.clusters, expected.clusters);
+  EXPECT_EQ(found.gather, expected.gather);
+}
+
+TEST_F(DeviceLight, SystemsOneByOneGiveTheBitsOfAll) {
+  PrecomputeOptions small = coarse(0.4);
+  small.system_lumels = 300;
+  const Model model = precompute_or_throw(rooms_in_a_row({4.0, 3.0, 4.0}), small);
+  ASSERT_GE(model.systems.size(), 2u);
+  const std::vector<Light> lights{point_light({1.5, 2.2, 1.7}), point_light({5.5, 1.0, 1.0}),
+                                  sun({0.3, -1, 0.2})};
+  LightSession whole = session(model);
+  const DeviceDirectLight expected = lit(whole, lights);
+  DeviceDirectLight found;
+  for (std::uint32_t s = 0; s < model.systems.size(); ++s) {
+    LightSessionOptions options;
+    options.light.systems = {s};
+    LightSession part = session(model, options);
+    const DeviceDirectLight of_system = lit(part, lights);
+    found.clusters.insert(found.clusters.end(), of_system.clusters.begin(), of_system.clusters.end());
+    found.gather.insert(found.gather.end(), of_system.gather.begin(), of_system.gather.end());
+  }
   EXPECT_EQ(found.clusters, expected.clusters);
   EXPECT_EQ(found.gather, expected.gather);
 }
