@@ -92,8 +92,9 @@ void store_charts(const ModelParts& parts, const SystemLayout& layout, System& s
 
 Occluders make_occluders(const ModelParts& parts) {
   const Geometry& geometry = parts.geometry;
-  Occluders occluders{
-      geometry.positions, geometry.triangles, geometry.material, geometry.node, {}, {}, {}, {}, {}};
+  Occluders occluders;
+  occluders.positions = geometry.positions, occluders.triangles = geometry.triangles;
+  occluders.material = geometry.material, occluders.node = geometry.node;
   occluders.opacity = geometry.opacity.stored();
   occluders.system.assign(geometry.triangles.size(), kNone);
   occluders.front_uv.assign(3 * geometry.triangles.size(), glm::vec2(0.0f));
