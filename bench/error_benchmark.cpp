@@ -37,9 +37,22 @@ struct SolvedModel {
   SensorValues values;
 };
 
+/// The gather row of each sensor, in the order that they were given.
+std::vector<std::uint32_t> sensor_rows(const Model& model) {
+  const std::vector<std::uint32_t> first = gather_offsets(model);
+  std::vector<std::uint32_t> rows(model.sensor_names.size());
+  for (std::size_t s = 0; s < model.systems.size(); ++s) {
+    const System& system = model.systems[s];
+    for (std::size_t i = 0; i < system.sensors.size(); ++i)
+      rows[system.sensors[i].name] = first[s] + std::uint32_t(system.lumels.size() + i);
+  }
+  return rows;
+}
+
 std::vector<Rgb> at_sensors(const Model& model, const std::vector<Rgb>& rows) {
-  const auto first = rows.begin() + std::ptrdiff_t(model.systems[0].lumels.size());
-  return {first, first + std::ptrdiff_t(model.systems[0].sensors.size())};
+  std::vector<Rgb> values;
+  for (const std::uint32_t row : sensor_rows(model)) values.push_back(rows[row]);
+  return values;
 }
 
 Result<SolvedModel> solve_model(const TestScene& test, const PrecomputeOptions& options) {
@@ -82,7 +95,7 @@ std::vector<std::uint32_t> sensor_rooms(const Model& model) {
   const auto rooms = find_rooms(as_rows(matrices.bounce.rows), centroids, areas);
   const std::vector<FormFactorRow> rows = as_rows(matrices.gather.rows);
   std::vector<std::uint32_t> result;
-  for (std::size_t i = model.systems[0].lumels.size(); result.size() < model.systems[0].sensors.size(); ++i) {
+  for (const std::uint32_t i : sensor_rows(model)) {
     std::map<std::uint32_t, double> shares;
     double sum = 0.0;
     for (std::size_t k = 0; k < rows[i].senders.size(); ++k) {
