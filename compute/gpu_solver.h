@@ -134,7 +134,8 @@ struct FrameInputs {
   std::span<const MaterialPass* const> materials{};  ///< of systems whose states changed
   std::span<const ScreenFrame> screens{};
   /// For each active system: writes what input() gives. So does DirectLight::record (compute/direct_light.h)
-  /// of an object of that system alone, whose kClusterLight is input(system, direct).
+  /// of an object of that system alone, whose kClusterLight is input(system, direct); before the plan is made
+  /// then goes note_change of LightSchedule::pending_change.
   SystemRecorder write_inputs{};
 };
 

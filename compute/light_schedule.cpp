@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <numeric>
 #include <string>
 
@@ -38,6 +39,16 @@ bool faces(const Light& light, const LightBlock& block) {
 bool same_place(const Light& a, const Light& b) {
   return a.type == b.type && a.position == b.position && a.direction == b.direction && a.range == b.range &&
          a.inner_cone_angle == b.inner_cone_angle && a.outer_cone_angle == b.outer_cone_angle;
+}
+
+/// No point of the block gets more, lm/m2 of the worst channel.
+double most_irradiance(const Light& light, const LightBlock& block) {
+  const double intensity = std::max({light.intensity.x, light.intensity.y, light.intensity.z});
+  if (light.type == LightType::directional) return intensity;
+  const double height = glm::dot(block.axis, light.position) - block.highest;
+  const double away = glm::length(light.position - block.centre) - block.radius;
+  const double distance = std::max({0.0, height, away}) * (1.0 - kSlack);
+  return intensity / (distance * distance);
 }
 
 /// About how many rays a pair takes.
@@ -87,7 +98,8 @@ LightSchedule::LightSchedule(std::shared_ptr<const std::vector<LightBlock>> bloc
       max_pairs_(max_pairs),
       pairs_(blocks_->size()),
       free_slots_(max_pairs),
-      dirty_(blocks_->size(), true) {
+      dirty_(blocks_->size(), true),
+      change_(blocks_->size(), std::numeric_limits<double>::infinity()) {
   std::iota(free_slots_.rbegin(), free_slots_.rend(), 0u);
 }
 
@@ -132,12 +144,22 @@ Result<void> LightSchedule::set_lights(std::span<const Light> lights) {
                                       " pairs of a light and a block that it reaches, found " +
                                       std::to_string(count) + ": raise max_pairs, or give lights a range");
   }
-  for (std::size_t i = wanted.size(); i < lights_.size(); ++i)
+  for (std::size_t i = wanted.size(); i < lights_.size(); ++i) {
+    add_change(lights_[i], reach_[i]);
     replace_pairs(static_cast<std::uint32_t>(i), {});
+  }
   reach_.resize(wanted.size());
   for (std::size_t i = 0; i < std::min(wanted.size(), lights_.size()); ++i) {
     if (wanted[i].intensity == lights_[i].intensity) continue;
     for (const std::uint32_t block : reach_[i]) mark_dirty(block);
+    if (!same_place(wanted[i], lights_[i])) continue;
+    Light difference = wanted[i];
+    difference.intensity = glm::abs(wanted[i].intensity - lights_[i].intensity);
+    add_change(difference, reach_[i]);
+  }
+  for (const auto& [light, blocks] : moved) {
+    if (light < lights_.size()) add_change(lights_[light], reach_[light]);
+    add_change(wanted[light], blocks);
   }
   // What is freed first can be used by others.
   for (const auto& [light, blocks] : moved) replace_pairs(light, {});
@@ -173,11 +195,26 @@ void LightSchedule::mark_dirty(std::uint32_t block) {
   next_dirty_ = std::min<std::size_t>(next_dirty_, block);
 }
 
+void LightSchedule::add_change(const Light& light, std::span<const std::uint32_t> blocks) {
+  // 0 over 0 is a light without intensity.
+  if (light.intensity == Rgb(0.0)) return;
+  for (const std::uint32_t block : blocks) change_[block] += most_irradiance(light, (*blocks_)[block]);
+}
+
+double LightSchedule::pending_change(double largest) const {
+  double change = 0.0;
+  for (std::size_t block = next_dirty_; block < dirty_.size(); ++block) {
+    if (dirty_[block]) change = std::max(change, change_[block]);
+  }
+  return std::min(change, largest);
+}
+
 void LightSchedule::retrace() {
   for (std::vector<LightPair>& pairs : pairs_) {
     for (LightPair& pair : pairs) pair.pending = true;
   }
   dirty_.assign(dirty_.size(), true);
+  change_.assign(change_.size(), std::numeric_limits<double>::infinity());
   next_dirty_ = 0;
   lights_changed = true;
 }
@@ -216,6 +253,7 @@ LightWork LightSchedule::take(const LightWorkLimits& limits) {
       work.end_cluster = std::max(work.end_cluster, facts.end_cluster);
     }
     dirty_[block] = false;
+    change_[block] = 0.0;
   }
   return work;
 }

@@ -88,6 +88,12 @@ class LightSchedule {
   /// Everything is traced again: masks or matrices of the host's have changed, or work was lost.
   void retrace();
 
+  /// A `change` for note_change (compute/schedule.h): how much H of a cluster may still change, in lm/m2 of
+  /// the worst channel, until the schedule is complete; 0 when it is. No light gives a block more than its
+  /// intensity over the square of the least distance. `largest` bounds it where lights are too near for that,
+  /// and after retrace(): Schedule::largest_radiosity, as no source is larger. To be noted before each plan.
+  double pending_change(double largest) const;
+
   /// Nothing is left to do.
   bool complete() const { return next_dirty_ == dirty_.size(); }
 
@@ -106,6 +112,7 @@ class LightSchedule {
   std::vector<std::uint32_t> reached_blocks(const Light& light) const;
   void replace_pairs(std::uint32_t light, std::vector<std::uint32_t> blocks);
   void mark_dirty(std::uint32_t block);
+  void add_change(const Light& light, std::span<const std::uint32_t> blocks);
 
   std::shared_ptr<const std::vector<LightBlock>> blocks_;
   std::vector<LightBlock> groups_;  ///< balls around runs of blocks
@@ -117,7 +124,8 @@ class LightSchedule {
   std::vector<std::vector<LightPair>> pairs_;      ///< per block: by light, ascending
   std::vector<std::uint32_t> free_slots_;
   std::uint64_t pair_count_ = 0;
-  std::vector<bool> dirty_;  ///< per block
+  std::vector<bool> dirty_;     ///< per block
+  std::vector<double> change_;  ///< per block: of H, at most, when it is summed
   std::size_t next_dirty_ = 0;
 };
 

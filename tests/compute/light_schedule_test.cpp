@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 namespace relume::test {
@@ -106,6 +107,35 @@ TEST(LightSchedule, AChangeOfColourTracesNothing) {
   const LightWork work = schedule.take({});
   EXPECT_TRUE(work.traces.empty());
   EXPECT_EQ(work.sums.size(), 3u);
+}
+
+// Lamps 2 m above a floor: no point of the nearest block gets more than 1 / 2^2.
+TEST(LightSchedule, KnowsHowMuchMayStillChange) {
+  LightSchedule schedule(floor_blocks(10), glm::dvec3(0.0), 4, 100);
+  EXPECT_EQ(schedule.pending_change(50.0), 50.0);  // what is in the buffers is not known
+  schedule.take({});
+  EXPECT_EQ(schedule.pending_change(50.0), 0.0);
+  std::vector<Light> lights{lamp(2.0, 2.0, 0.0)};
+  ASSERT_TRUE(schedule.set_lights(lights));
+  EXPECT_NEAR(schedule.pending_change(50.0), 0.25, 1e-4);
+  // Nothing taken, and brighter by 2: both come together.
+  lights[0].intensity = Rgb(1.0, 3.0, 1.0);
+  ASSERT_TRUE(schedule.set_lights(lights));
+  EXPECT_NEAR(schedule.pending_change(50.0), 0.75, 1e-4);
+  schedule.take({});
+  // 7 m on. Most may change a metre beside the old place: the lamp was 2 m above, at least, and is 6 m along
+  // and 2 m up from the middle of a ball of 0.5 m.
+  lights[0].position.x = 9.0;
+  ASSERT_TRUE(schedule.set_lights(lights));
+  const double away = std::sqrt(40.0) - 0.5;
+  EXPECT_NEAR(schedule.pending_change(50.0), 0.75 + 3.0 / (away * away), 1e-4);
+  schedule.take({});
+  lights[0].position.y = 0.0;  // inside a block
+  ASSERT_TRUE(schedule.set_lights(lights));
+  EXPECT_EQ(schedule.pending_change(50.0), 50.0);
+  schedule.take({});
+  schedule.retrace();
+  EXPECT_EQ(schedule.pending_change(50.0), 50.0);
 }
 
 TEST(LightSchedule, PartsAddUpToTheWhole) {

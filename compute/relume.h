@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Relume for C99 and for languages that call C: the functions of compute/gpu_solver.h, direct_light.h and
+ * lightmap_pass.h, whose headers say what begins and ends with which stage and access, what is left bound,
+ * and who may call what from which thread. Here one solver holds a model's systems, its schedule and its
+ * lights.
+ *
+ *   relume_model_read                     a .relume file
+ *   relume_device_requirements            before the host makes its device
+ *   relume_solver_create, _bind           memory through the host's relume_allocate
+ *   relume_load_system, relume_add_lights for each system, at any time
+ *   relume_record_upload                  until nothing is pending: a system takes part from then on
+ *   each frame:
+ *     relume_set_lights, relume_note_change
+ *     relume_plan_frame, relume_record_frame, submit, relume_frame_submitted
+ *
+ * Nothing here submits, waits or reads back, and only the host's relume_allocate makes memory of a device.
+ *
+ * Errors: what can fail returns a relume_status and, if `error` is not null, writes the sentence that says
+ * what failed, where, what was expected and what was found. Nothing is thrown. A handle that was asked for is
+ * null after a failure; functions named _destroy take null.
+ *
+ * A solver and all that was made of it is used by one thread at a time. */
+#ifndef RELUME_H
+#define RELUME_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <vulkan/vulkan_core.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Errors ------------------------------------------------------------------------------------------- */
+
+typedef enum relume_status {
+  RELUME_OK = 0,
+  RELUME_CHECK_FAILED = 1, /* well-formed data that breaks a promise */
+  RELUME_USAGE = 2,        /* an argument that makes no sense */
+  RELUME_BAD_INPUT = 3,    /* unreadable, malformed or stale file */
+  RELUME_NO_DEVICE = 4,    /* the device lacks something, or was lost */
+  RELUME_OUT_OF_MEMORY = 5
+} relume_status;
+
+typedef struct relume_error {
+  relume_status status;
+  char message[500]; /* UTF-8, ends with 0; longer ones are cut */
+} relume_error;
+
+/* ---- Model -------------------------------------------------------------------------------------------- */
+
+typedef struct relume_model relume_model;
+
+relume_status relume_model_read(const char* file, relume_model** model, relume_error* error);
+void relume_model_destroy(relume_model* model);
+
+uint32_t relume_model_system_count(const relume_model* model);
+/* As long as the model. A system is a number below relume_model_system_count. */
+const char* relume_model_system_name(const relume_model* model, uint32_t system);
+uint32_t relume_model_cluster_count(const relume_model* model, uint32_t system);
+/* Lumels, then sensors. */
+uint32_t relume_model_gather_row_count(const relume_model* model, uint32_t system);
+uint32_t relume_model_sky_patch_count(const relume_model* model);
+
+/* ---- The host's device -------------------------------------------------------------------------------- */
+
+typedef struct relume_requirements {
+  uint32_t api_version; /* at least */
+  VkPhysicalDeviceFeatures features;
+  VkQueueFlags queue_flags; /* of the queue that the command buffers go to */
+  uint32_t extension_count;
+  const char* extensions[16]; /* of the device; the names live as long as the program */
+} relume_requirements;
+
+/* To be asked before the device is created; fails with a sentence that says what the device lacks. */
+relume_status relume_device_requirements(PFN_vkGetInstanceProcAddr get_instance_proc_addr,
+                                         VkInstance instance, VkPhysicalDevice physical_device,
+                                         relume_requirements* requirements, relume_error* error);
+
+/* Borrowed: all of it must outlive what is made from it. */
+typedef struct relume_host {
+  VkInstance instance;
+  VkPhysicalDevice physical_device;
+  VkDevice device;
+  PFN_vkGetInstanceProcAddr get_instance_proc_addr;
+  VkPipelineCache pipeline_cache;                    /* may be null */
+  const VkAllocationCallbacks* allocation_callbacks; /* may be null */
+} relume_host;
+
+typedef struct relume_buffer_requirement {
+  const char* name; /* only during the call */
+  VkDeviceSize byte_size;
+  VkDeviceSize alignment; /* of the offset of the range */
+  VkBufferUsageFlags usage;
+} relume_buffer_requirement;
+
+typedef struct relume_buffer_range {
+  VkBuffer buffer;
+  VkDeviceSize offset;
+  VkDeviceSize byte_size;
+} relume_buffer_range;
+
+/* Gives device-local memory for one buffer; not 0 when there is none. The host frees it after the solver, or
+ * the system that it is for, is gone. */
+typedef int (*relume_allocate)(void* user, const relume_buffer_requirement* requirement,
+                               relume_buffer_range* range);
+
+/* Memory of the host that the processor writes and the device reads (usage TRANSFER_SRC). It belongs to the
+ * command buffer until that has run. Not coherent: the host flushes it before it submits. */
+typedef struct relume_staging {
+  relume_buffer_range range;
+  void* mapped; /* address of the range */
+} relume_staging;
+
+/* ---- Solver ------------------------------------------------------------------------------------------- */
+
+typedef struct relume_solver relume_solver;
+
+/* `largest_radiosity`: no surface or sky patch will have more, in lm/m2, whatever the lights do. The model
+ * must outlive the solver. Fails when the device does not meet relume_device_requirements. */
+relume_status relume_solver_create(const relume_host* host, const relume_model* model,
+                                   double largest_radiosity, relume_solver** solver, relume_error* error);
+/* No command buffer of it may be running. */
+void relume_solver_destroy(relume_solver* solver);
+
+/* Once, before all else. */
+relume_status relume_solver_bind(relume_solver* solver, relume_allocate allocate, void* user,
+                                 relume_error* error);
+
+/* `max_albedo`: no cluster will have more, below 1; 0: none will have more than is stored. Fails with
+ * RELUME_USAGE when the system is loaded. Frames in flight do not matter. */
+relume_status relume_load_system(relume_solver* solver, uint32_t system, double max_albedo,
+                                 relume_allocate allocate, void* user, relume_error* error);
+
+/* Direct light with shadows for a loaded system, traced on the device. Without it the host writes
+ * RELUME_DIRECT itself. `max_lights` 0: 16384. The first call asks for "occluder tree", "occluder triangles"
+ * and "occluder opacity" too, which all systems share: they live as long as the solver. */
+relume_status relume_add_lights(relume_solver* solver, uint32_t system, uint32_t max_lights,
+                                relume_allocate allocate, void* user, relume_error* error);
+
+/* From the next plan on the system is black to others. */
+void relume_deactivate_system(relume_solver* solver, uint32_t system);
+/* The fences of all frames that were planned before relume_deactivate_system must have signalled. Its lights
+ * go with it, its lightmaps must be gone. */
+void relume_unload_system(relume_solver* solver, uint32_t system);
+
+/* Copies of what was bound and loaded last, as much as the staging memory holds. `pending` becomes 0 when
+ * nothing is left. The command buffer must be submitted, before those of later frames. */
+relume_status relume_record_upload(relume_solver* solver, VkCommandBuffer commands,
+                                   const relume_staging* staging, int* pending, relume_error* error);
+
+/* ---- What changes ------------------------------------------------------------------------------------- */
+
+typedef enum relume_light_type {
+  RELUME_POINT = 0,
+  RELUME_SPOT = 1,
+  RELUME_DIRECTIONAL = 2
+} relume_light_type;
+
+/* As KHR_lights_punctual, in world space. */
+typedef struct relume_light {
+  relume_light_type type;
+  double intensity[3];                       /* cd (point, spot), lux (directional); linear Rec.709 */
+  double position[3];                        /* m */
+  double direction[3];                       /* unit, where it shines */
+  double range;                              /* m, 0: no limit */
+  double inner_cone_angle, outer_cone_angle; /* radians */
+} relume_light;
+
+/* The lights from the next plan on, for all systems that have relume_add_lights; only what a change reaches
+ * is traced again. A light is known by its place in the list. */
+relume_status relume_set_lights(relume_solver* solver, const relume_light* lights, uint32_t count,
+                                relume_error* error);
+
+/* Four floats per element, the last is ignored. */
+typedef enum relume_quantity {
+  RELUME_ALBEDO = 0,   /* per cluster of a system */
+  RELUME_EXITANCE = 1, /* per cluster, lm/m2 */
+  RELUME_DIRECT = 2,   /* H per cluster, lm/m2 */
+  RELUME_SKY = 4       /* per sky patch, pi x radiance; its system is relume_model_system_count */
+} relume_quantity;
+
+/* M + rho H of clusters of the system (or the sky) changed, or will in the next frame, by at most so much,
+ * lm/m2. To be said before the plan of that frame. Changes of the lights are known. */
+void relume_note_change(relume_solver* solver, uint32_t system, double change);
+
+typedef struct relume_input_copy {
+  relume_quantity quantity;
+  uint32_t system;
+  uint32_t first;             /* cluster or patch */
+  relume_buffer_range source; /* 16 bytes an element; usage TRANSFER_SRC */
+} relume_input_copy;
+
+/* Where inputs and results are, for kernels of the host; a null buffer for what is not there. Radiosity is in
+ * the half that counts after the last submitted frame. */
+relume_buffer_range relume_input(const relume_solver* solver, uint32_t system, relume_quantity quantity);
+relume_buffer_range relume_radiosity(const relume_solver* solver, uint32_t system);
+relume_buffer_range relume_irradiance(const relume_solver* solver, uint32_t system);
+/* Direct irradiance per gather row of a system with lights. */
+relume_buffer_range relume_direct_irradiance(const relume_solver* solver, uint32_t system);
+
+/* ---- Lightmaps ---------------------------------------------------------------------------------------- */
+
+typedef struct relume_lightmap relume_lightmap;
+
+typedef enum relume_lightmap_format {
+  RELUME_RGBA16F = 0,
+  RELUME_R11G11B10F = 1,
+  RELUME_RGB9E5 = 2
+} relume_lightmap_format;
+
+/* What the host's image is made with, at least: 2D, optimal tiling, one layer, one sample. */
+typedef struct relume_lightmap_image {
+  VkFormat format;
+  VkFormat storage_view_format; /* of the view that relume_lightmap_bind gets */
+  VkExtent2D extent;
+  VkImageUsageFlags usage;
+  VkImageCreateFlags flags;
+} relume_lightmap_image;
+
+/* Of a loaded system. To be destroyed before the solver, when no command buffer uses it. */
+relume_status relume_lightmap_create(relume_solver* solver, uint32_t system, relume_lightmap_format format,
+                                     relume_lightmap** lightmap, relume_lightmap_image* image,
+                                     relume_error* error);
+void relume_lightmap_destroy(relume_lightmap* lightmap);
+
+/* Once, followed by relume_record_upload. `add_direct` not 0: with the light of relume_add_lights. */
+relume_status relume_lightmap_bind(relume_lightmap* lightmap, relume_allocate allocate, void* user,
+                                   int add_direct, VkImageView storage_view, relume_error* error);
+
+/* ---- Frames ------------------------------------------------------------------------------------------- */
+
+typedef struct relume_frame_wishes {
+  uint64_t max_form_factors; /* 0: no limit */
+  uint32_t bounces;          /* per pass */
+  double display_step;       /* lm/m2; what cannot move an output by more is left out. 0: nothing is */
+} relume_frame_wishes;
+
+/* What the planned frame will come to. Bounds in lm/m2, for the direct light that is traced by then. */
+typedef struct relume_frame_report {
+  uint64_t form_factors;
+  double radiosity_error; /* after this frame, of any system */
+  double output_error;    /* of what is published after this frame */
+  double skipped;         /* of it, at most, for what is left out below the display step */
+  int pass_complete;
+} relume_frame_report;
+
+/* Plans the next frame. `report` may be null. A plan that is not followed by relume_frame_submitted before
+ * the next one counts as dropped: what it did is done again. */
+relume_status relume_plan_frame(relume_solver* solver, const relume_frame_wishes* wishes,
+                                relume_frame_report* report, relume_error* error);
+
+typedef struct relume_irradiance_target {
+  uint32_t system;
+  relume_buffer_range target; /* 16 bytes per gather row; usage TRANSFER_DST */
+} relume_irradiance_target;
+
+typedef struct relume_frame {
+  const relume_input_copy* copies;
+  uint32_t copy_count;
+  relume_staging staging; /* of this frame, for lights: relume_light_staging_bytes */
+  uint64_t max_rays;      /* shadow rays per system, about; 0: no limit */
+  /* Written when their system is complete. */
+  const relume_irradiance_target* irradiance;
+  uint32_t irradiance_count;
+  relume_lightmap* const* lightmaps; /* their images are in layout GENERAL */
+  uint32_t lightmap_count;
+} relume_frame;
+
+/* Staging memory for the lights of one frame: of all systems, with room for at least one block each. More
+ * memory traces more in one frame. */
+VkDeviceSize relume_light_staging_bytes(const relume_solver* solver);
+
+/* Records the plan. Begins with TRANSFER and COMPUTE_SHADER reads and writes, and ends with COMPUTE_SHADER
+ * and TRANSFER writes. */
+relume_status relume_record_frame(relume_solver* solver, VkCommandBuffer commands, const relume_frame* frame,
+                                  relume_error* error);
+
+/* The recorded frame was submitted. */
+void relume_frame_submitted(relume_solver* solver);
+
+/* 1 when the planned frame completes the outputs of the system. */
+int relume_frame_publishes(const relume_solver* solver, uint32_t system);
+
+/* Not 0 while shadow rays are left for frames to come. */
+int relume_lights_pending(const relume_solver* solver);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
