@@ -9,27 +9,33 @@ namespace {
 /// Looks up entry points of one device and remembers the first that is missing.
 class Loader {
  public:
-  explicit Loader(const HostDevice& host) : device_(host.device) {
+  explicit Loader(const HostDevice& host)
+      : instance_(host.instance), device_(host.device), get_of_instance_(host.get_instance_proc_addr) {
     if (host.get_instance_proc_addr == nullptr) return;
     get_ = reinterpret_cast<PFN_vkGetDeviceProcAddr>(
         host.get_instance_proc_addr(host.instance, "vkGetDeviceProcAddr"));
   }
 
   template <class Function>
-  void optional(Function& function, const char* name) const {
+  void required(Function& function, const char* name) {
     function = get_ == nullptr ? nullptr : reinterpret_cast<Function>(get_(device_, name));
+    if (function == nullptr && missing_.empty()) missing_ = name;
   }
 
+  /// Of an instance extension. Devices of some drivers and layers know it whether the host enabled it or not;
+  /// the instance does not.
   template <class Function>
-  void required(Function& function, const char* name) {
-    optional(function, name);
-    if (function == nullptr && missing_.empty()) missing_ = name;
+  void extension(Function& function, const char* name) const {
+    const bool enabled = get_ != nullptr && get_of_instance_(instance_, name) != nullptr;
+    function = enabled ? reinterpret_cast<Function>(get_(device_, name)) : nullptr;
   }
 
   const std::string& missing() const { return missing_; }
 
  private:
+  VkInstance instance_;
   VkDevice device_;
+  PFN_vkGetInstanceProcAddr get_of_instance_;
   PFN_vkGetDeviceProcAddr get_ = nullptr;
   std::string missing_;
 };
@@ -60,8 +66,8 @@ void load_commands(Loader& load, DeviceFunctions& table) {
   load.required(table.cmd_copy_buffer, "vkCmdCopyBuffer");
   load.required(table.cmd_update_buffer, "vkCmdUpdateBuffer");
   load.required(table.cmd_fill_buffer, "vkCmdFillBuffer");
-  load.optional(table.cmd_begin_label, "vkCmdBeginDebugUtilsLabelEXT");
-  load.optional(table.cmd_end_label, "vkCmdEndDebugUtilsLabelEXT");
+  load.extension(table.cmd_begin_label, "vkCmdBeginDebugUtilsLabelEXT");
+  load.extension(table.cmd_end_label, "vkCmdEndDebugUtilsLabelEXT");
 }
 
 }  // namespace
