@@ -110,6 +110,11 @@ BufferRange FrameRing::stage(std::span<const Rgb> values) {
   return range;
 }
 
+Staging FrameRing::staging(VkDeviceSize byte_size) {
+  const BufferRange range = reserve(byte_size);
+  return {range, frames_[slot_].memory.mapped + range.offset};
+}
+
 std::span<const std::byte> FrameRing::bytes(std::uint32_t frame, const BufferRange& range) const {
   return {frames_[frame].memory.mapped + range.offset, range.byte_size};
 }

@@ -13,6 +13,7 @@
 #include "compute/host_device.h"
 #include "compute/standalone/standalone_device.h"
 #include "compute/standalone/standalone_memory.h"
+#include "compute/upload.h"
 #include "compute/vulkan_handle.h"
 #include "core/quantities.h"
 
@@ -39,6 +40,8 @@ class FrameRing {
   BufferRange stage(std::span<const Rgb> values);
   /// A range of it that a copy may fill, and what is in it when the frame is done.
   BufferRange reserve(VkDeviceSize byte_size);
+  /// The same as staging memory.
+  Staging staging(VkDeviceSize byte_size);
   std::span<const std::byte> bytes(std::uint32_t frame, const BufferRange& range) const;
   /// Number of the slot being recorded.
   std::uint32_t slot() const { return slot_; }
