@@ -1,12 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <deque>
+#include <functional>
 #include <numeric>
 
 #include "benchmarks.h"
-#include "compute/standalone/solve_on_device.h"
+#include "compute/row_kernels.h"
+#include "compute/standalone/solver_session.h"
+#include "compute/standalone/tune_row_kernel.h"
 #include "core/compare.h"
 #include "core/reference_solver.h"
 
@@ -14,7 +23,8 @@ namespace relume::bench {
 namespace {
 
 constexpr const char* kName = "solve";
-constexpr std::uint32_t kBounces = 32;
+constexpr std::uint32_t kBudget = 128;
+constexpr int kProductsPerTime = 5;
 
 /// Bytes a second that all cores read from an array far larger than the caches.
 double read_bandwidth() {
@@ -33,111 +43,295 @@ double read_bandwidth() {
   return sum == data.size() ? double(data.size() * sizeof(std::uint32_t)) / seconds : 0.0;
 }
 
+const char* codec_name(ValueCodec codec) {
+  if (codec == ValueCodec::f32) return "f32";
+  return codec == ValueCodec::unorm16 ? "unorm16" : "sqrt8";
+}
+
 struct Variant {
   RowKernel kernel;
   MatrixFetch fetch;
   ValueCodec codec;
+  std::uint32_t tile_rows;
 };
 
 std::string name_of(const Variant& variant) {
-  return fmt::format("{}, {}, {}", row_kernel_name(variant.kernel),
-                     variant.fetch == MatrixFetch::texels ? "texels" : "storage",
-                     variant.codec == ValueCodec::f32 ? "f32" : "unorm16");
+  return fmt::format("{}, {}, {}, {}", variant.tile_rows == 8 ? "tiles" : "CSR",
+                     row_kernel_name(variant.kernel),
+                     variant.fetch == MatrixFetch::texels ? "texels" : "storage", codec_name(variant.codec));
 }
 
-std::vector<Variant> variants() {
+/// The first is plain CSR.
+std::vector<Variant> variants(const StandaloneDevice& device) {
+  using enum ValueCodec;
   std::vector<Variant> all;
-  for (const ValueCodec codec : {ValueCodec::f32, ValueCodec::unorm16}) {
-    for (const MatrixFetch fetch : {MatrixFetch::storage, MatrixFetch::texels}) {
-      for (const RowKernel kernel : {RowKernel::row_per_thread, RowKernel::row_per_8_lanes})
-        all.push_back({kernel, fetch, codec});
+  for (const ValueCodec codec : {f32, unorm16})
+    all.push_back({RowKernel::row_per_thread, MatrixFetch::storage, codec, 1});
+  all.push_back({RowKernel::row_per_thread, MatrixFetch::texels, unorm16, 1});
+  for (const ValueCodec codec : {f32, unorm16, sqrt8}) {
+    for (const RowKernel kernel : kRowKernels) {
+      for (const MatrixFetch fetch : {MatrixFetch::storage, MatrixFetch::texels}) {
+        if (supports_row_kernel(device.host(), kernel)) all.push_back({kernel, fetch, codec, 8});
+      }
     }
   }
   return all;
 }
 
-/// One model with all that a variant needs.
-struct Problem {
-  Model model;
-  Lighting lighting;
-  ReferenceMatrices matrices;
-};
-
-Result<Problem> make_problem(const BenchmarkOptions& options, const Scene& scene, ValueCodec codec) {
-  PrecomputeOptions chosen = precompute_options(options, scene);
-  chosen.codec = codec;
-  PrecomputeReport report;
-  auto model = precompute(scene, chosen, report);
-  if (!model) return tl::unexpected(model.error());
-  Problem problem{std::move(*model), {}, {}};
-  problem.lighting = stored_lighting(problem.model);
-  for (Rgb& direct : problem.lighting.direct) direct = Rgb(1.0, 0.9, 0.8);
-  problem.matrices = reference_matrices(problem.model);
-  return problem;
+/// A matrix of f32 in tiles of eight, in another codec, in tiles or row by row.
+BlockMatrix recoded(const BlockMatrix& matrix, ValueCodec codec, std::uint32_t tile_rows) {
+  BlockMatrixBuilder builder(matrix.columns, codec);
+  for (const MatrixBlock& block : matrix.blocks) {
+    std::vector<float> stored(block.values.size() / sizeof(float));
+    std::memcpy(stored.data(), block.values.data(), block.values.size());
+    for (std::uint32_t row = 0; row < block.row_count; row += block.tile_rows) {
+      const std::uint32_t tile = row / block.tile_rows, begin = block.tile_offsets[tile];
+      const std::uint32_t length = block.tile_offsets[tile + 1] - begin;
+      const std::uint32_t rows = std::min(block.tile_rows, block.row_count - row);
+      const std::span columns(block.columns.data() + begin, length);
+      std::vector<double> values;
+      for (std::uint32_t r = 0; r < rows; ++r) {
+        for (std::uint32_t c = 0; c < length; ++c)
+          values.push_back(double{stored[(begin + c) * block.tile_rows + r]} * block.row_scales[row + r]);
+      }
+      if (tile_rows == 8) {
+        builder.append_tile(columns, values, rows);
+        continue;
+      }
+      for (std::uint32_t r = 0; r < rows; ++r)
+        builder.append_row(columns, std::span(values).subspan(r * length, length));
+    }
+  }
+  return std::move(builder).finish();
 }
 
-/// Form factors a second of plain bounces on the device, once per repetition; checked against the reference
-/// first.
-Result<std::vector<double>> device_speeds(StandaloneDevice& device, const Problem& problem,
-                                          const Variant& variant, std::uint32_t repetitions) {
-  const StopRule rule{kBounces, 0.0};
-  DeviceSolveOptions options;
-  options.kernel = variant.kernel;
-  options.fetch = variant.fetch;
-  const auto reference = solve_reference(problem.matrices.bounce, problem.lighting, rule);
-  if (!reference) return tl::unexpected(reference.error());
-  std::vector<double> speeds;
-  for (std::uint32_t r = 0; r <= repetitions; ++r) {
-    const auto solved = solve_on_device(device, problem.model, problem.lighting, rule, options);
-    if (!solved) return tl::unexpected(solved.error());
-    const double error =
-        compare("radiosity", solved->solution.radiosity, reference->radiosity).max_relative_error;
-    if (error > 1e-5) {
-      return fail(ErrorCode::check_failed,
-                  fmt::format("{}: {} differs from the reference by {}", kName, name_of(variant), error));
-    }
-    const double seconds =
-        solved->seconds.gpu_bounces > 0.0 ? solved->seconds.gpu_bounces : solved->seconds.bounces;
-    // The first run compiles kernels.
-    if (r > 0) speeds.push_back(double(problem.matrices.bounce.rows.values.size()) * kBounces / seconds);
+Model recoded(Model model, ValueCodec codec, std::uint32_t tile_rows) {
+  for (System& system : model.systems) {
+    system.bounce = recoded(system.bounce, codec, tile_rows);
+    system.gather = recoded(system.gather, codec, tile_rows);
   }
-  return speeds;
+  return model;
+}
+
+/// Something that does the gather product, and how long each time took.
+struct Candidate {
+  std::string name;
+  std::function<Result<double>()> seconds;  ///< of one product
+  std::vector<double> times{};
+};
+
+/// The gather product on the device: imports and rows. What else its pass does is timed apart and taken off.
+Result<double> device_seconds(SolverSession& session) {
+  double seconds = 0.0;
+  for (int i = 0; i < kProductsPerTime; ++i) {
+    const auto with = session.run({.gather = true});
+    if (!with) return tl::unexpected(with.error());
+    const auto without = session.run({});
+    if (!without) return tl::unexpected(without.error());
+    seconds +=
+        with->gpu_seconds > 0.0 ? with->gpu_seconds - without->gpu_seconds : with->seconds - without->seconds;
+  }
+  return std::max(seconds / kProductsPerTime, 1e-9);
+}
+
+/// Fails when irradiance on the device is not that of the reference, for the radiosity that the device has.
+Result<void> check_device(SolverSession& session, const Model& model, const Lighting& lighting,
+                          const std::string& name) {
+  if (auto lit = session.light(lighting, {}); !lit) return lit;
+  if (auto ran = session.run({.restart = true, .bounces = 2, .gather = true}); !ran)
+    return tl::unexpected(ran.error());
+  const auto radiosity = session.read_radiosity();
+  if (!radiosity) return tl::unexpected(radiosity.error());
+  const auto irradiance = session.read_irradiance();
+  if (!irradiance) return tl::unexpected(irradiance.error());
+  const auto expected = gather(reference_matrices(model).gather, lighting, *radiosity);
+  const double error = compare("irradiance", *irradiance, expected).max_relative_error;
+  if (!(error <= 1e-5)) {
+    return fail(ErrorCode::check_failed,
+                fmt::format("{}: {} differs from the reference by {}", kName, name, error));
+  }
+  return {};
+}
+
+Result<Candidate> device_candidate(StandaloneDevice& device, const Model& stored, const Lighting& lighting,
+                                   const Variant& variant, std::deque<SolverSession>& sessions) {
+  const std::string name = device.name().substr(0, 8) + ": " + name_of(variant);
+  const Model model = recoded(stored, variant.codec, variant.tile_rows);
+  auto session = SolverSession::create(device, model, {.kernel = variant.kernel, .fetch = variant.fetch}, {});
+  if (!session) return tl::unexpected(session.error());
+  sessions.push_back(std::move(*session));
+  SolverSession& kept = sessions.back();
+  if (auto checked = check_device(kept, model, lighting, name); !checked)
+    return tl::unexpected(checked.error());
+  return Candidate{name, [&kept] { return device_seconds(kept); }};
+}
+
+using EigenMatrix = Eigen::SparseMatrix<float, Eigen::RowMajor>;
+using EigenColors = Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor>;
+
+/// The gather matrices of all systems in Eigen.
+struct EigenProducts {
+  std::vector<EigenMatrix> matrices;
+  std::vector<EigenColors> in, out;
+  std::vector<Eigen::VectorXf> channel_in, channel_out;
+
+  explicit EigenProducts(const Model& model) {
+    for (const System& system : model.systems) {
+      const CsrMatrix rows = decode(system.gather);
+      std::vector<Eigen::Triplet<float>> triplets;
+      for (std::uint32_t row = 0; row < rows.rows; ++row) {
+        for (std::uint64_t e = rows.row_offsets[row]; e < rows.row_offsets[row + 1]; ++e)
+          triplets.emplace_back(int(row), int(rows.column_indices[e]), float(rows.values[e]));
+      }
+      EigenMatrix& matrix = matrices.emplace_back(rows.rows, rows.columns);
+      matrix.setFromTriplets(triplets.begin(), triplets.end());
+      in.push_back(EigenColors::Random(rows.columns, 4));
+      out.push_back(EigenColors::Zero(rows.rows, 4));
+      channel_in.push_back(in.back().col(0));
+      channel_out.push_back(Eigen::VectorXf::Zero(rows.rows));
+    }
+  }
+
+  template <class In, class Out>
+  static void multiply(const EigenMatrix& matrix, const In& in, Out& out, bool all_cores) {
+    if (!all_cores) {
+      out.noalias() = matrix * in;
+      return;
+    }
+    tbb::parallel_for(tbb::blocked_range<Eigen::Index>(0, matrix.rows(), 512), [&](const auto& range) {
+      out.middleRows(range.begin(), Eigen::Index(range.size())).noalias() =
+          matrix.middleRows(range.begin(), Eigen::Index(range.size())) * in;
+    });
+  }
+
+  /// Red, green and blue: together in four right-hand sides, or one after the other.
+  void colors(bool together, bool all_cores) {
+    for (std::size_t s = 0; s < matrices.size(); ++s) {
+      if (together) multiply(matrices[s], in[s], out[s], all_cores);
+      for (int channel = 0; channel < 3 && !together; ++channel)
+        multiply(matrices[s], channel_in[s], channel_out[s], all_cores);
+    }
+  }
+
+  /// Whether the last products were what Eigen gives in double precision.
+  bool right(bool together) const {
+    for (std::size_t s = 0; s < matrices.size(); ++s) {
+      const Eigen::VectorXd expected = matrices[s].cast<double>() * channel_in[s].cast<double>();
+      const Eigen::VectorXd found =
+          (together ? Eigen::VectorXf(out[s].col(0)) : channel_out[s]).cast<double>();
+      if (!((found - expected).norm() <= 1e-5 * expected.norm())) return false;
+    }
+    return true;
+  }
+};
+
+Result<Candidate> eigen_candidate(EigenProducts& products, bool together, bool all_cores) {
+  const std::string name =
+      fmt::format("Eigen RowMajor f32, {}, {}", together ? "4 right-hand sides" : "3 x 1 right-hand side",
+                  all_cores ? "all cores" : "one core");
+  products.colors(together, all_cores);
+  if (!products.right(together)) return fail(ErrorCode::check_failed, name + " is wrong");
+  return Candidate{name, [&products, together, all_cores]() -> Result<double> {
+                     return seconds_of([&] {
+                              for (int i = 0; i < kProductsPerTime; ++i) products.colors(together, all_cores);
+                            }) /
+                            kProductsPerTime;
+                   }};
+}
+
+Result<Model> make_model(const BenchmarkOptions& options) {
+  const auto scene = benchmark_scene(options);
+  if (!scene) return tl::unexpected(scene.error());
+  PrecomputeOptions chosen = precompute_options(options, *scene);
+  chosen.codec = ValueCodec::f32;
+  chosen.budget = kBudget;
+  PrecomputeReport report;
+  return precompute(*scene, chosen, report);
+}
+
+/// How many times as long `slow` takes as `fast`, in each repetition.
+Measurement ratio(const std::string& name, const Candidate& slow, const Candidate& fast) {
+  Measurement measured{kName, name, "x", {}};
+  for (std::size_t r = 0; r < slow.times.size(); ++r)
+    measured.values.push_back(slow.times[r] / fast.times[r]);
+  return measured;
+}
+
+/// The fastest in tiles with the codec, or null.
+const Candidate* fastest_tiles(std::span<const Candidate> candidates, const std::string& codec) {
+  const Candidate* best = nullptr;
+  for (const Candidate& candidate : candidates) {
+    const bool fits = candidate.name.find(": tiles") != std::string::npos && candidate.name.ends_with(codec);
+    if (fits && (best == nullptr || median(candidate.times) < median(best->times))) best = &candidate;
+  }
+  return best;
+}
+
+void add_ratios(std::span<const Candidate> candidates, std::vector<Measurement>& result) {
+  for (const char* codec : {"unorm16", "sqrt8"}) {
+    const Candidate* best = fastest_tiles(candidates, codec);
+    if (best == nullptr) return;
+    for (const Candidate& other : candidates) {
+      const bool plain = other.name.find("CSR") != std::string::npos, eigen = other.name.starts_with("Eigen");
+      if (plain || eigen)
+        result.push_back(ratio(fmt::format("{} / best {}", other.name, codec), other, *best));
+    }
+  }
+}
+
+/// What a program that starts would choose, from its own made-up matrix.
+Result<void> add_tuned(StandaloneDevice& device, std::vector<Measurement>& result) {
+  for (const ValueCodec codec : {ValueCodec::unorm16, ValueCodec::sqrt8}) {
+    const auto times = time_row_kernels(device, codec);
+    if (!times) return tl::unexpected(times.error());
+    const RowKernelTime& best = times->front();
+    result.push_back(
+        {kName, "tuner: " + name_of({best.kernel, best.fetch, codec, 8}), "s/product", {best.seconds}});
+  }
+  return {};
 }
 
 }  // namespace
 
 Measurements solve(const BenchmarkOptions& options) {
-  const auto scene = benchmark_scene(options);
-  if (!scene) return tl::unexpected(scene.error());
+  const auto model = make_model(options);
+  if (!model) return tl::unexpected(model.error());
+  Lighting lighting = stored_lighting(*model);
+  for (Rgb& direct : lighting.direct) direct = Rgb(1.0, 0.9, 0.8);
+  EigenProducts products(*model);
+  std::vector<Candidate> candidates;
+  for (const bool together : {false, true}) {
+    for (const bool all_cores : {false, true}) {
+      auto candidate = eigen_candidate(products, together, all_cores);
+      if (!candidate) return tl::unexpected(candidate.error());
+      candidates.push_back(std::move(*candidate));
+    }
+  }
   auto device = StandaloneDevice::create({});
-  std::vector<Measurement> result;
+  std::deque<SolverSession> sessions;
+  for (const Variant& variant : device ? variants(*device) : std::vector<Variant>{}) {
+    auto candidate = device_candidate(*device, *model, lighting, variant, sessions);
+    if (!candidate) return tl::unexpected(candidate.error());
+    candidates.push_back(std::move(*candidate));
+  }
   std::vector<double> bandwidth;
-  for (std::uint32_t r = 0; r < options.repetitions; ++r) bandwidth.push_back(read_bandwidth());
-  result.push_back({kName, "read bandwidth, all cores", "bytes/s", bandwidth});
-  for (const ValueCodec codec : {ValueCodec::f32, ValueCodec::unorm16}) {
-    const auto problem = make_problem(options, *scene, codec);
-    if (!problem) return tl::unexpected(problem.error());
-    const double nonzeros = double(problem->matrices.bounce.rows.values.size());
-    if (codec == ValueCodec::f32) {
-      result.push_back({kName, "form factors of one bounce", "", {nonzeros}});
-      std::vector<double> speeds;
-      for (std::uint32_t r = 0; r < options.repetitions; ++r) {
-        speeds.push_back(
-            nonzeros / seconds_of([&] {
-              if (bounce(problem->matrices.bounce, problem->lighting, problem->lighting.direct).empty())
-                return;
-            }));
-      }
-      result.push_back({kName, "reference product, one core, double", "form factors/s", speeds});
+  for (std::uint32_t r = 0; r < options.repetitions; ++r) {
+    bandwidth.push_back(read_bandwidth());
+    for (Candidate& candidate : candidates) {
+      const auto seconds = candidate.seconds();
+      if (!seconds) return tl::unexpected(seconds.error());
+      candidate.times.push_back(*seconds);
     }
-    if (!device) continue;
-    for (const Variant& variant : variants()) {
-      if (variant.codec != codec) continue;
-      const auto speeds = device_speeds(*device, *problem, variant, options.repetitions);
-      if (!speeds) return tl::unexpected(speeds.error());
-      result.push_back(
-          {kName, device->name().substr(0, 8) + ": " + name_of(variant), "form factors/s", *speeds});
-    }
+  }
+  double nonzeros = 0.0;
+  for (const EigenMatrix& matrix : products.matrices) nonzeros += double(matrix.nonZeros());
+  std::vector<Measurement> result{{kName, "read bandwidth, all cores", "bytes/s", bandwidth},
+                                  {kName, "form factors of the gather", "", {nonzeros}}};
+  for (const Candidate& candidate : candidates)
+    result.push_back({kName, candidate.name, "s/product", candidate.times});
+  add_ratios(candidates, result);
+  if (device) {
+    if (auto tuned = add_tuned(*device, result); !tuned) return tl::unexpected(tuned.error());
   }
   return result;
 }

@@ -60,6 +60,11 @@ SetPlan plan_system_set(std::span<const BufferRange> ranges, VkDescriptorSet& se
   return plan;
 }
 
+VkDeviceSize texel_bytes(VkFormat code_format) {
+  if (code_format == VK_FORMAT_R32G32B32A32_UINT) return 16;
+  return code_format == VK_FORMAT_R32G32_UINT ? 8 : 4;
+}
+
 void plan_block_sets(const std::vector<BlockLayout>& blocks, std::span<const BufferRange> ranges,
                      std::vector<VkDescriptorSet>& sets, std::vector<SetPlan>& plans) {
   sets.resize(blocks.size());
@@ -69,7 +74,9 @@ void plan_block_sets(const std::vector<BlockLayout>& blocks, std::span<const Buf
       plan.bindings.push_back(part(ranges[blocks[i].buffer], section.offset, section.byte_size));
     }
     plan.texels = {{kernels::kColumnTexelsBinding, kernels::kColumnsBinding, VK_FORMAT_R32_UINT, 4},
-                   {kernels::kValueTexelsBinding, kernels::kValuesBinding, VK_FORMAT_R32_UINT, 4}};
+                   {kernels::kValueTexelsBinding, kernels::kValuesBinding, VK_FORMAT_R32_UINT, 4},
+                   {kernels::kCodeTexelsBinding, kernels::kValuesBinding, blocks[i].code_format,
+                    texel_bytes(blocks[i].code_format)}};
     plans.push_back(std::move(plan));
   }
 }

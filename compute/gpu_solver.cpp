@@ -10,17 +10,13 @@
 #include "compute/guest.h"
 #include "compute/pass_buffers.h"
 #include "compute/record_upload.h"
+#include "compute/row_kernels.h"
 #include "compute/solver_data.h"
 #include "compute/solver_state.h"
 #include "kernels/shared/records.h"
 
 namespace relume {
 namespace {
-
-constexpr std::pair<RowKernel, std::string_view> kRowKernelNames[] = {
-    {RowKernel::row_per_thread, "row_per_thread"},
-    {RowKernel::row_per_8_lanes, "row_per_8_lanes"},
-};
 
 /// Both alignments are powers of two.
 LayoutLimits layout_limits(const VkPhysicalDeviceLimits& limits) {
@@ -33,20 +29,6 @@ Rgb floats_of(const kernels::uvec4& bits) {
 }
 
 }  // namespace
-
-std::string_view row_kernel_name(RowKernel kernel) {
-  for (const auto& [value, name] : kRowKernelNames) {
-    if (value == kernel) return name;
-  }
-  return {};
-}
-
-std::optional<RowKernel> row_kernel_from_name(std::string_view name) {
-  for (const auto& [value, known] : kRowKernelNames) {
-    if (known == name) return value;
-  }
-  return std::nullopt;
-}
 
 std::vector<Residual> read_residuals(std::span<const std::byte> bytes) {
   std::vector<Residual> residuals;
@@ -69,6 +51,11 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
                                     const SolverOptions& options) {
   const auto limits = device_limits(host);
   if (!limits) return tl::unexpected<Error>(limits.error());
+  if (!supports_row_kernel(host, options.kernel)) {
+    return fail(ErrorCode::no_device,
+                "the kernel '" + std::string(row_kernel_name(options.kernel)) +
+                    "' needs subgroups of 8 or more with shuffles, which the device lacks");
+  }
   const std::uint32_t capacity =
       options.sender_capacity > 0 ? options.sender_capacity : loaded_senders(model);
   auto layout = solver_layout(model, capacity, layout_limits(*limits));

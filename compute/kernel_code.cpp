@@ -3,12 +3,16 @@
 
 #include "spirv/bounce_row_per_8_lanes.h"
 #include "spirv/bounce_row_per_thread.h"
+#include "spirv/bounce_tile_shared.h"
+#include "spirv/bounce_tile_shuffle.h"
 #include "spirv/direct_clusters.h"
 #include "spirv/direct_gather.h"
 #include "spirv/direct_sum.h"
 #include "spirv/direct_trace.h"
 #include "spirv/gather_row_per_8_lanes.h"
 #include "spirv/gather_row_per_thread.h"
+#include "spirv/gather_tile_shared.h"
+#include "spirv/gather_tile_shuffle.h"
 #include "spirv/import_radiosity.h"
 #include "spirv/lightmap_r11g11b10f.h"
 #include "spirv/lightmap_rgb9e5.h"
@@ -36,6 +40,14 @@ std::span<const std::uint32_t> kernel_code(KernelId kernel) {
       return gather_row_per_thread_spirv;
     case KernelId::gather_row_per_8_lanes:
       return gather_row_per_8_lanes_spirv;
+    case KernelId::bounce_tile_shared:
+      return bounce_tile_shared_spirv;
+    case KernelId::gather_tile_shared:
+      return gather_tile_shared_spirv;
+    case KernelId::bounce_tile_shuffle:
+      return bounce_tile_shuffle_spirv;
+    case KernelId::gather_tile_shuffle:
+      return gather_tile_shuffle_spirv;
     case KernelId::nodes:
       return nodes_spirv;
     case KernelId::residual:
@@ -78,6 +90,14 @@ const char* kernel_file_name(KernelId kernel) {
       return "gather_row_per_thread";
     case KernelId::gather_row_per_8_lanes:
       return "gather_row_per_8_lanes";
+    case KernelId::bounce_tile_shared:
+      return "bounce_tile_shared";
+    case KernelId::gather_tile_shared:
+      return "gather_tile_shared";
+    case KernelId::bounce_tile_shuffle:
+      return "bounce_tile_shuffle";
+    case KernelId::gather_tile_shuffle:
+      return "gather_tile_shuffle";
     case KernelId::nodes:
       return "nodes";
     case KernelId::residual:

@@ -27,7 +27,7 @@ Result<MatrixFetch> choose_fetch(const SolverState& state, const SystemLayout& l
 Result<void> add_pipelines(Pipelines& pipelines, const SystemDispatches& dispatches, RowKernel row_kernel) {
   for (std::size_t kernel = 0; kernel < kStepKernels; ++kernel) {
     for (const DispatchStep& step : dispatches[kernel]) {
-      const KernelId id = step_kernel_id(static_cast<StepKernel>(kernel), row_kernel);
+      const KernelId id = step_kernel_id(static_cast<StepKernel>(kernel), row_kernel, step.format.tile_rows);
       if (auto added = pipelines.add(id, step.format); !added) return added;
     }
   }

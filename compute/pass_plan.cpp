@@ -10,7 +10,7 @@ namespace relume {
 namespace {
 
 std::uint32_t rows_per_workgroup(RowKernel kernel) {
-  return kernel == RowKernel::row_per_thread ? kernels::kWorkgroupSize : kernels::kRowsPerWorkgroup;
+  return kernel == RowKernel::row_per_8_lanes ? kernels::kRowsPerWorkgroup : kernels::kWorkgroupSize;
 }
 
 /// The tile after the last of a dispatch that starts at tile `first`.
@@ -27,7 +27,7 @@ std::uint32_t slice_end(const MatrixBlock& block, std::uint32_t first, std::uint
 /// Cuts one block between tiles; `step` carries what all its dispatches share.
 void append_block(std::vector<DispatchStep>& steps, const MatrixBlock& block, DispatchStep step,
                   RowKernel row_kernel, std::uint64_t max_form_factors) {
-  const std::uint32_t rows = rows_per_workgroup(row_kernel);
+  const std::uint32_t rows = rows_per_workgroup(row_kernel_for(row_kernel, block.tile_rows));
   const std::uint32_t max_tiles = kernels::kMaxWorkgroups * rows / block.tile_rows;
   for (std::uint32_t tile = 0; tile + 1 < block.tile_offsets.size();) {
     const std::uint32_t end = slice_end(block, tile, max_form_factors, max_tiles);
@@ -64,6 +64,11 @@ std::vector<DispatchStep> plan_elements(std::uint32_t count, std::uint64_t cost)
 }
 
 }  // namespace
+
+RowKernel row_kernel_for(RowKernel chosen, std::uint32_t tile_rows) {
+  const bool of_tiles = chosen == RowKernel::tile_shared || chosen == RowKernel::tile_shuffle;
+  return of_tiles && tile_rows != kernels::kTileOfRows ? RowKernel::row_per_8_lanes : chosen;
+}
 
 std::uint32_t workgroup_count(std::uint64_t threads) {
   const std::uint64_t groups = (threads + kernels::kWorkgroupSize - 1) / kernels::kWorkgroupSize;

@@ -44,6 +44,9 @@ inline const std::vector<DispatchStep>& dispatches_of(const SystemDispatches& al
   return all[static_cast<std::size_t>(kernel)];
 }
 
+/// The kernel that does blocks of tiles of `tile_rows` rows where `chosen` was chosen.
+RowKernel row_kernel_for(RowKernel chosen, std::uint32_t tile_rows);
+
 /// Workgroups that give `threads` invocations, at most kernels::kMaxWorkgroups.
 std::uint32_t workgroup_count(std::uint64_t threads);
 

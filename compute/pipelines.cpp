@@ -22,15 +22,43 @@ constexpr std::array<SetShape, kernels::kSets> kSetShapes = [] {
   return shapes;
 }();
 
+KernelId bounce_kernel(RowKernel row_kernel) {
+  switch (row_kernel) {
+    case RowKernel::row_per_thread:
+      return KernelId::bounce_row_per_thread;
+    case RowKernel::tile_shared:
+      return KernelId::bounce_tile_shared;
+    case RowKernel::tile_shuffle:
+      return KernelId::bounce_tile_shuffle;
+    case RowKernel::row_per_8_lanes:
+      break;
+  }
+  return KernelId::bounce_row_per_8_lanes;
+}
+
+KernelId gather_kernel(RowKernel row_kernel) {
+  switch (row_kernel) {
+    case RowKernel::row_per_thread:
+      return KernelId::gather_row_per_thread;
+    case RowKernel::tile_shared:
+      return KernelId::gather_tile_shared;
+    case RowKernel::tile_shuffle:
+      return KernelId::gather_tile_shuffle;
+    case RowKernel::row_per_8_lanes:
+      break;
+  }
+  return KernelId::gather_row_per_8_lanes;
+}
+
 }  // namespace
 
-KernelId step_kernel_id(StepKernel step, RowKernel row_kernel) {
-  const bool per_thread = row_kernel == RowKernel::row_per_thread;
+KernelId step_kernel_id(StepKernel step, RowKernel row_kernel, std::uint32_t tile_rows) {
+  const RowKernel of_rows = row_kernel_for(row_kernel, tile_rows);
   switch (step) {
     case StepKernel::bounce:
-      return per_thread ? KernelId::bounce_row_per_thread : KernelId::bounce_row_per_8_lanes;
+      return bounce_kernel(of_rows);
     case StepKernel::gather:
-      return per_thread ? KernelId::gather_row_per_thread : KernelId::gather_row_per_8_lanes;
+      return gather_kernel(of_rows);
     case StepKernel::start:
       return KernelId::start;
     case StepKernel::nodes:

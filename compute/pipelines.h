@@ -18,8 +18,8 @@
 
 namespace relume {
 
-/// The kernel that does a step.
-KernelId step_kernel_id(StepKernel step, RowKernel row_kernel);
+/// The kernel that does a step, on rows in tiles of `tile_rows`.
+KernelId step_kernel_id(StepKernel step, RowKernel row_kernel, std::uint32_t tile_rows);
 
 class Pipelines {
  public:

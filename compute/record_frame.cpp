@@ -75,8 +75,8 @@ class FrameRecorder {
       sets[set_count++] =
           (step.kernel == StepKernel::bounce ? system.sets.bounce : system.sets.gather)[planned.block];
     }
-    dispatch(step_kernel_id(step.kernel, state_.options.kernel), planned, range_of(step, system, planned),
-             sets, set_count);
+    dispatch(step_kernel_id(step.kernel, state_.options.kernel, planned.format.tile_rows), planned,
+             range_of(step, system, planned), sets, set_count);
   }
 
  private:

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "kernels/shared/limits.h"
 #include "kernels/shared/records.h"
 
 namespace relume {
@@ -43,6 +44,12 @@ class BufferList {
   VkDeviceSize alignment_;
 };
 
+/// As wide as an entry of a tile of eight rows and a load allow.
+VkFormat code_format(const MatrixBlock& block) {
+  if (block.tile_rows != kernels::kTileOfRows) return VK_FORMAT_R32_UINT;
+  return block.codec == ValueCodec::sqrt8 ? VK_FORMAT_R32G32_UINT : VK_FORMAT_R32G32B32A32_UINT;
+}
+
 BlockLayout block_layout(const MatrixBlock& block, const std::string& name, VkDeviceSize alignment,
                          BufferList& buffers) {
   std::array<VkDeviceSize, kernels::kBlockBindings> bytes{};
@@ -52,6 +59,7 @@ BlockLayout block_layout(const MatrixBlock& block, const std::string& name, VkDe
   bytes[kernels::kValuesBinding] = align_up(block.values.size(), sizeof(std::uint32_t));
   bytes[kernels::kRowScalesBinding] = block.row_scales.size() * sizeof(float);
   BlockLayout layout;
+  layout.code_format = code_format(block);
   VkDeviceSize end = 0;
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     layout.sections[i] = {align_up(end, alignment), std::max(bytes[i], kEmptyBytes)};

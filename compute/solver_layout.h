@@ -56,7 +56,8 @@ struct Section {
 /// A block of a matrix: one buffer with four sections, in the order of the bindings of
 /// kernels/shared/bindings.h.
 struct BlockLayout {
-  std::uint32_t buffer = 0;  ///< of the system
+  std::uint32_t buffer = 0;                   ///< of the system
+  VkFormat code_format = VK_FORMAT_R32_UINT;  ///< of kCodeTexelsBinding
   std::array<Section, kernels::kBlockBindings> sections;
 };
 

@@ -8,10 +8,19 @@
 namespace relume {
 
 /// How the rows of a matrix are spread over invocations. All give the same bits
-/// (kernels/include/row_product.glsl).
-enum class RowKernel : std::uint32_t { row_per_thread, row_per_8_lanes };
+/// (kernels/include/row_product.glsl). Blocks that are not in tiles of 8 rows are done by row_per_8_lanes
+/// where a tile kernel was chosen.
+enum class RowKernel : std::uint32_t {
+  row_per_thread,
+  row_per_8_lanes,
+  tile_shared,   ///< 8 invocations do a tile of 8 rows and meet in shared memory
+  tile_shuffle,  ///< the same, meeting by subgroup shuffles: see supports_row_kernel
+};
 
-/// "row_per_thread", "row_per_8_lanes".
+inline constexpr RowKernel kRowKernels[] = {RowKernel::row_per_thread, RowKernel::row_per_8_lanes,
+                                            RowKernel::tile_shared, RowKernel::tile_shuffle};
+
+/// The name of the enumerator.
 std::string_view row_kernel_name(RowKernel kernel);
 std::optional<RowKernel> row_kernel_from_name(std::string_view name);
 

@@ -90,13 +90,18 @@ void add_entry(inout precise vec3 lane_sum, uint row, uint entry) {
   lane_sum = lane_sum + term;
 }
 
-/// The fixed tree over the lanes, and the scale of the row.
-vec3 row_result(uint row, vec3 s0, vec3 s1, vec3 s2, vec3 s3, vec3 s4, vec3 s5, vec3 s6, vec3 s7) {
+/// A row's sum times its scale.
+vec3 scaled(uint row, vec3 sum) {
   precise float scale = row_scales[row];
   if (kCodec == kCodecUnorm16) scale = scale * (1.0 / 65535.0);
   if (kCodec == kCodecSqrt8) scale = scale * (1.0 / 65025.0);
-  precise vec3 product = lane_tree(s0, s1, s2, s3, s4, s5, s6, s7) * scale;
+  precise vec3 product = sum * scale;
   return product;
+}
+
+/// The fixed tree over the lanes, and the scale of the row.
+vec3 row_result(uint row, vec3 s0, vec3 s1, vec3 s2, vec3 s3, vec3 s4, vec3 s5, vec3 s6, vec3 s7) {
+  return scaled(row, lane_tree(s0, s1, s2, s3, s4, s5, s6, s7));
 }
 
 #endif

@@ -50,7 +50,8 @@ const uint kRowScalesBinding = 3u;    // float per row
 const uint kBlockBindings = 4u;
 const uint kColumnTexelsBinding = 4u;  // r32ui
 const uint kValueTexelsBinding = 5u;   // r32ui
-const uint kBlockTexelBindings = 2u;
+const uint kCodeTexelsBinding = 6u;    // the values; of tiles of eight rows, unorm16 and f32 as rgba32ui, sqrt8 as rg32ui
+const uint kBlockTexelBindings = 3u;
 
 const uint kSets = 3u;
 

@@ -117,8 +117,11 @@ Result<SolveOutcome> solve_by_vulkan(const Model& model, const Lighting& lightin
 }  // namespace
 
 const std::vector<std::string>& kernel_names() {
-  static const std::vector<std::string> names{std::string(row_kernel_name(RowKernel::row_per_thread)),
-                                              std::string(row_kernel_name(RowKernel::row_per_8_lanes))};
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const RowKernel kernel : kRowKernels) all.emplace_back(row_kernel_name(kernel));
+    return all;
+  }();
   return names;
 }
 

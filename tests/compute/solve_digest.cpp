@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
-// Prints the subgroup size of the device and, for each kernel and value format, all bits of a solve as one
-// number. A program of its own, because a driver reads its environment once.
+// Prints the subgroup size of the device and, for each value format and each kernel that the device can run,
+// the format and all bits of a solve as one number. A program of its own, because a driver reads its
+// environment once.
 #include <vulkan/vulkan.h>
 
 #include <bit>
 #include <cstdint>
 #include <cstdio>
 
+#include "compute/row_kernels.h"
 #include "compute/standalone/solve_on_device.h"
 #include "compute/test_models.h"
 #include "compute/vulkan_info.h"
@@ -37,10 +39,11 @@ int run() {
   auto device = StandaloneDevice::create({});
   if (!device) return static_cast<int>(device.error().code);
   std::printf("%u", subgroup_size(*device));
-  for (const ValueCodec codec : {ValueCodec::f32, ValueCodec::unorm16}) {
-    const Model model = random_model({}, 7, {codec, 3000});
+  for (const ValueCodec codec : {ValueCodec::f32, ValueCodec::unorm16, ValueCodec::sqrt8}) {
+    const Model model = random_model({}, 7, {codec, 24000, 8});
     const Lighting lighting = random_lighting(model, 8);
-    for (const RowKernel kernel : {RowKernel::row_per_thread, RowKernel::row_per_8_lanes}) {
+    for (const RowKernel kernel : kRowKernels) {
+      if (!supports_row_kernel(device->host(), kernel)) continue;
       for (const MatrixFetch fetch : {MatrixFetch::storage, MatrixFetch::texels}) {
         const auto out =
             solve_on_device(*device, model, lighting, {20, 0.0}, {.kernel = kernel, .fetch = fetch});
@@ -48,7 +51,7 @@ int run() {
         std::uint64_t hash = 0xcbf29ce484222325u;
         digest(out->solution.radiosity, hash);
         digest(out->irradiance, hash);
-        std::printf(" %016llx", static_cast<unsigned long long>(hash));
+        std::printf(" %u:%016llx", static_cast<unsigned>(codec), static_cast<unsigned long long>(hash));
       }
     }
   }

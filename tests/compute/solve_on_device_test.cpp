@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "compute/standalone/solve_on_device.h"
+#include "compute/row_kernels.h"
 
 #include <gtest/gtest.h>
 
@@ -150,7 +151,8 @@ TEST_F(SolveOnDevice, ManySystemsAndBlocksOfAllFormatsAgreeWithTheReference) {
       ASSERT_EQ(model.systems[2].bounce.blocks[0].tile_rows, tile_rows);
       const Lighting lighting = random_lighting(model, 32);
       std::optional<DeviceSolution> first;
-      for (const RowKernel kernel : {RowKernel::row_per_thread, RowKernel::row_per_8_lanes}) {
+      for (const RowKernel kernel : kRowKernels) {
+        if (!supports_row_kernel(device().host(), kernel)) continue;
         SCOPED_TRACE(std::string(row_kernel_name(kernel)) + ", codec " +
                      std::to_string(static_cast<int>(codec)) + ", tiles of " + std::to_string(tile_rows));
         const DeviceSolution out = solve(model, lighting, {30, 0.0}, {.kernel = kernel});

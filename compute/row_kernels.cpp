@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#include "compute/row_kernels.h"
+
+#include <utility>
+
+#include "compute/vulkan_info.h"
+#include "kernels/shared/limits.h"
+
+namespace relume {
+namespace {
+
+constexpr std::pair<RowKernel, std::string_view> kNames[] = {
+    {RowKernel::row_per_thread, "row_per_thread"},
+    {RowKernel::row_per_8_lanes, "row_per_8_lanes"},
+    {RowKernel::tile_shared, "tile_shared"},
+    {RowKernel::tile_shuffle, "tile_shuffle"},
+};
+
+}  // namespace
+
+std::string_view row_kernel_name(RowKernel kernel) {
+  for (const auto& [value, name] : kNames) {
+    if (value == kernel) return name;
+  }
+  return {};
+}
+
+std::optional<RowKernel> row_kernel_from_name(std::string_view name) {
+  for (const auto& [value, known] : kNames) {
+    if (known == name) return value;
+  }
+  return std::nullopt;
+}
+
+bool supports_row_kernel(const HostDevice& host, RowKernel kernel) {
+  if (kernel != RowKernel::tile_shuffle) return true;
+  const auto get_properties = reinterpret_cast<PFN_vkGetPhysicalDeviceProperties2>(
+      host.get_instance_proc_addr(host.instance, "vkGetPhysicalDeviceProperties2"));
+  if (get_properties == nullptr) return false;
+  auto subgroups =
+      vulkan_info<VkPhysicalDeviceSubgroupProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES);
+  auto properties = vulkan_info<VkPhysicalDeviceProperties2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2);
+  properties.pNext = &subgroups;
+  get_properties(host.physical_device, &properties);
+  return subgroups.subgroupSize >= kernels::kLanes &&
+         (subgroups.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0 &&
+         (subgroups.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT) != 0;
+}
+
+}  // namespace relume
