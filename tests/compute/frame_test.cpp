@@ -201,7 +201,7 @@ TEST_F(FrameTest, SystemsComeAndGoWhileOthersRun) {
   // System 2 is loaded with frames in flight; its upload waits, which a host would spread over frames.
   for (int i = 0; i < 4; ++i) frame();
   EXPECT_GT(ring.in_flight(), 0u);
-  ASSERT_NO_FATAL_FAILURE(guest.load(model_, 2));
+  ASSERT_NO_FATAL_FAILURE(guest.load(model_, 2, lighting_));
   guest.light(model_, 2, lighting_);
   for (int i = 0; i < 4; ++i) frame();
   ring.wait_for_all();
@@ -221,7 +221,7 @@ TEST_F(FrameTest, SystemsComeAndGoWhileOthersRun) {
   settle(unloaded(model_, 0));
 
   // And comes back, where another was before or elsewhere.
-  ASSERT_NO_FATAL_FAILURE(guest.load(model_, 0));
+  ASSERT_NO_FATAL_FAILURE(guest.load(model_, 0, lighting_));
   guest.light(model_, 0, lighting_);
   settle(model_);
 }

@@ -48,14 +48,14 @@ Guest::Guest(StandaloneDevice& device, const HostDevice& host, const Model& mode
   light_sky(lighting);
   for (std::uint32_t system = 0; system < model.systems.size(); ++system) {
     if (!model.systems[system].loaded) continue;
-    load(model, system);
+    load(model, system, lighting);
     light(model, system, lighting, weights);
   }
 }
 
-void Guest::load(const Model& model, std::uint32_t system) {
+void Guest::load(const Model& model, std::uint32_t system, const Lighting& lighting) {
   const std::uint32_t first = cluster_offsets(model)[system], last = cluster_offsets(model)[system + 1];
-  const auto albedo = std::span(lighting_.albedo).subspan(first, last - first);
+  const auto albedo = std::span(lighting.albedo).subspan(first, last - first);
   const auto allocate = [&](const BufferRequirement& requirement) {
     auto range = memory_->allocate(requirement);
     if (range) ranges_[system].push_back(*range);

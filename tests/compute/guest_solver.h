@@ -26,8 +26,8 @@ class Guest {
   /// A system's own memory, as asked for.
   VkDeviceSize system_bytes(std::uint32_t system) const;
 
-  /// Waits for the device.
-  void load(const Model& model, std::uint32_t system);
+  /// Waits for the device. `lighting` of all that `model` has loaded.
+  void load(const Model& model, std::uint32_t system, const Lighting& lighting);
   /// Albedo, exitance and direct light of a system; the arrays are those of all systems of `model`.
   void light(const Model& model, std::uint32_t system, const Lighting& lighting,
              const std::vector<Rgb>& weights = {});
