@@ -4,6 +4,7 @@
 #include <bit>
 #include <utility>
 
+#include "compute/pass_buffers.h"
 #include "core/sky.h"
 #include "kernels/shared/glsl_types.h"
 
@@ -15,12 +16,6 @@ static_assert(sizeof(kernels::vec4) == kRgbBytes);
 template <class Element>
 std::span<const std::byte> bytes_of(const std::vector<Element>& elements) {
   return std::as_bytes(std::span(elements));
-}
-
-template <class Element>
-std::vector<std::byte> owned_bytes(const std::vector<Element>& elements) {
-  const std::span<const std::byte> bytes = bytes_of(elements);
-  return {bytes.begin(), bytes.end()};
 }
 
 void add_blocks(UploadData& data, const BlockMatrix& matrix, const std::vector<BlockLayout>& layouts) {

@@ -3,9 +3,9 @@
 // Descriptor sets, bindings and specialization constants. All kernels share one pipeline layout. In each set,
 // storage buffers come first; uniform texel buffers, which are views of some of them, follow.
 //
-// The senders of a system are its clusters, then the nodes of its tree; those of the sky, its patches, then their nodes. They lie
-// together in one buffer, twice for a system, which reads one half and writes the other; where, a table says, so that import
-// tables need not know which systems are loaded.
+// The senders of a system are its clusters, then the nodes of its tree; those of the sky, its patches, then
+// their nodes. They lie together in one buffer, twice for a system, which reads one half and writes the
+// other; where, a table says, so that import tables need not know which systems are loaded.
 #ifndef RELUME_KERNELS_BINDINGS_H
 #define RELUME_KERNELS_BINDINGS_H
 
@@ -15,9 +15,10 @@ RELUME_SHARED_BEGIN
 
 /// Set of the whole solve.
 const uint kSolveSet = 0u;
-const uint kRadiosityBinding = 0u;    // vec4 per sender of every half: b, lm/m2 in rgb
-const uint kFirstSenderBinding = 1u;  // uint per system, then of the sky: sender 0 in the half that counts, or kNotLoaded
-const uint kResidualBinding = 2u;     // ResidualRecord per system
+const uint kRadiosityBinding = 0u;  // vec4 per sender of every half: b, lm/m2 in rgb
+const uint kFirstSenderBinding =
+    1u;  // uint per system, then of the sky: sender 0 in the half that counts, or kNotLoaded
+const uint kResidualBinding = 2u;  // ResidualRecord per system
 const uint kSolveBindings = 3u;
 
 /// First sender of a system that is not there: black.
@@ -25,9 +26,10 @@ const uint kNotLoaded = 0xffffffffu;
 
 /// Set of one system, or of the sky.
 const uint kSystemSet = 1u;
-// uvec4 per import. A sender of a system or of the sky: number of the system (that of the sky is the number of systems), index of
-// the sender, 0, 0. A node above the systems: first of its parts in this buffer, 0, number of parts, 0. Parts
-// follow the imports: number of the system, index of the sender, bits of its share, 0.
+// uvec4 per import. A sender of a system or of the sky: number of the system (that of the sky is the number
+// of systems), index of the sender, 0, 0. A node above the systems: first of its parts in this buffer, 0,
+// number of parts, 0. Parts follow the imports: number of the system, index of the sender, bits of its share,
+// 0.
 const uint kImportsBinding = 0u;
 const uint kLocalRadiosityBinding = 1u;  // vec4 per import: b of the sender
 const uint kIrradianceBinding = 2u;      // vec4 per gather row: I, lm/m2
@@ -35,8 +37,8 @@ const uint kAlbedoBinding = 3u;          // vec4 per cluster
 const uint kExitanceBinding = 4u;        // vec4 per cluster, lm/m2
 const uint kDirectBinding = 5u;          // vec4 per cluster: H, lm/m2
 const uint kWeightsBinding = 6u;         // vec4 per cluster: v of the contraction bound, > 0
-const uint kNodesBinding = 7u;           // uvec4 per node: first leaf, number of leaves, first of their shares, 0
-const uint kNodeSharesBinding = 8u;      // float per leaf of every node: what it counts for in the mean
+const uint kNodesBinding = 7u;       // uvec4 per node: first leaf, number of leaves, first of their shares, 0
+const uint kNodeSharesBinding = 8u;  // float per leaf of every node: what it counts for in the mean
 const uint kSystemBindings = 9u;
 const uint kLocalRadiosityTexelsBinding = 9u;  // rgba32f
 const uint kSystemTexelBindings = 1u;
@@ -45,12 +47,13 @@ const uint kSystemTexelBindings = 1u;
 const uint kBlockSet = 2u;
 const uint kTileOffsetsBinding = 0u;  // uint per tile, and one at the end
 const uint kColumnsBinding = 1u;      // two 16-bit columns in a uint, the first in the low half
-const uint kValuesBinding = 2u;       // f32: a float's bits in a uint; unorm16, sqrt8: two, four codes, as columns
-const uint kRowScalesBinding = 3u;    // float per row
+const uint kValuesBinding = 2u;  // f32: a float's bits in a uint; unorm16, sqrt8: two, four codes, as columns
+const uint kRowScalesBinding = 3u;  // float per row
 const uint kBlockBindings = 4u;
 const uint kColumnTexelsBinding = 4u;  // r32ui
 const uint kValueTexelsBinding = 5u;   // r32ui
-const uint kCodeTexelsBinding = 6u;    // the values; of tiles of eight rows, unorm16 and f32 as rgba32ui, sqrt8 as rg32ui
+const uint kCodeTexelsBinding =
+    6u;  // the values; of tiles of eight rows, unorm16 and f32 as rgba32ui, sqrt8 as rg32ui
 const uint kBlockTexelBindings = 3u;
 
 const uint kSets = 3u;

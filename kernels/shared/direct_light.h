@@ -9,16 +9,17 @@
 
 RELUME_SHARED_BEGIN
 
-const uint kBvhNodesBinding = 0u;      // 4 uvec4 per node: BvhNode of core/occluder_bvh.h
-const uint kBvhTrianglesBinding = 1u;  // 3 uvec4 per triangle, in leaf order: bits of corners; w of the first: OpacityTriangle + 1, or 0
-const uint kOpacityBinding = 2u;       // uints: see OpacityTable
-const uint kPiecesBinding = 3u;        // LightPiece
-const uint kPatchesBinding = 4u;       // uint per patch: number of the piece << 4 | number in it
-const uint kElementsBinding = 5u;      // LightElement
-const uint kTablesBinding = 6u;        // uints: see TableLayout
-const uint kLightsBinding = 7u;        // LightRecord
-const uint kWorkBinding = 8u;          // uints: TraceJob, then SumJob, then two of each pair: slot, light
-const uint kSharesBinding = 9u;        // float per slot and element of its block
+const uint kBvhNodesBinding = 0u;  // 4 uvec4 per node: BvhNode of core/occluder_bvh.h
+const uint kBvhTrianglesBinding =
+    1u;  // 3 uvec4 per triangle, in leaf order: bits of corners; w of the first: OpacityTriangle + 1, or 0
+const uint kOpacityBinding = 2u;        // uints: see OpacityTable
+const uint kPiecesBinding = 3u;         // LightPiece
+const uint kPatchesBinding = 4u;        // uint per patch: number of the piece << 4 | number in it
+const uint kElementsBinding = 5u;       // LightElement
+const uint kTablesBinding = 6u;         // uints: see TableLayout
+const uint kLightsBinding = 7u;         // LightRecord
+const uint kWorkBinding = 8u;           // uints: TraceJob, then SumJob, then two of each pair: slot, light
+const uint kSharesBinding = 9u;         // float per slot and element of its block
 const uint kElementLightBinding = 10u;  // vec4 per element: H, lm/m2
 const uint kClusterLightBinding = 11u;  // vec4 per cluster: H, lm/m2
 const uint kGatherLightBinding = 12u;   // vec4 per gather row: H, lm/m2
@@ -50,8 +51,8 @@ struct LightRecord {
   vec4 position;   // xyz; w: range, m, 0 = none
   vec4 direction;  // xyz: unit, where it shines; w: type, as bits
   vec4 intensity;  // cd or lux
-  vec4 cone;       // cosine of the outer angle, 1 / max(0.001, cos inner - cos outer), sine of the outer angle;
-                   // w: patches that look larger (sr) are cut
+  vec4 cone;  // cosine of the outer angle, 1 / max(0.001, cos inner - cos outer), sine of the outer angle;
+              // w: patches that look larger (sr) are cut
 };
 
 struct LightPiece {

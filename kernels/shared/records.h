@@ -11,16 +11,17 @@ RELUME_SHARED_BEGIN
 /// Push constants of every kernel. Row kernels do rows [first_row, first_row + count) of a block; the others
 /// do elements [0, count).
 struct Range {
-  uint first_row;     // in the block; start, residual: sender 0 of the system in its other half
-  uint count;         // rows, imports, clusters or nodes
-  uint block_row;     // row of the matrix that is row 0 of the block; nodes: number of leaves; residual: number of the system
+  uint first_row;  // in the block; start, residual: sender 0 of the system in its other half
+  uint count;      // rows, imports, clusters or nodes
+  uint block_row;  // row of the matrix that is row 0 of the block; nodes: number of leaves; residual: number
+                   // of the system
   uint first_sender;  // sender 0 of the system in the half that is written; residual: in the half that counts
   // ---- 16 bytes
 };
 
-/// What a bounce changed, as maxima over the clusters of a system, per channel in xyz. Bits of non-negative floats: they
-/// order as the floats do, so that atomicMax gives the same result in any order, and NaN is above all
-/// numbers.
+/// What a bounce changed, as maxima over the clusters of a system, per channel in xyz. Bits of non-negative
+/// floats: they order as the floats do, so that atomicMax gives the same result in any order, and NaN is
+/// above all numbers.
 struct ResidualRecord {
   uvec4 weighted_change;  // |change| / weight
   // ---- 16 bytes

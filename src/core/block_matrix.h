@@ -2,16 +2,18 @@
 //
 // Sparse form-factor matrices: the stored block format, and CSR as its decoded view.
 //
-// A BlockMatrix is a list of blocks of consecutive rows. Inside a block, rows stand in tiles of R neighbouring
-// receivers that share one column list; R = 1 is CSR. With R = 8 the last tile of a block may be partly empty: its missing rows store
-// zeros. Columns are 16-bit indices into the import table of the owning system. A stored value v of row r stands for
+// A BlockMatrix is a list of blocks of consecutive rows. Inside a block, rows stand in tiles of R
+// neighbouring receivers that share one column list; R = 1 is CSR. With R = 8 the last tile of a block may be
+// partly empty: its missing rows store zeros. Columns are 16-bit indices into the import table of the owning
+// system. A stored value v of row r stands for
 //   f32      v * row_scale[r]
 //   unorm16  q / 65535 * row_scale[r]
 //   sqrt8    (q / 255)^2 * row_scale[r]
-// computed as (decoded code) * row_scale in the precision of whoever decodes; row_scale also carries the repair of the row sum after
-// quantisation: the values of a row, decoded in double or in IEEE f32 alike, sum to no more than the sum that the row was encoded
-// from, nor more than 1, and to less by no more than a few units in the last place of f32. (Whoever then adds n of them up in f32 adds
-// a rounding of their own, at most n 2^-24 of the sum.)
+// computed as (decoded code) * row_scale in the precision of whoever decodes; row_scale also carries the
+// repair of the row sum after quantisation: the values of a row, decoded in double or in IEEE f32 alike, sum
+// to no more than the sum that the row was encoded from, nor more than 1, and to less by no more than a few
+// units in the last place of f32. (Whoever then adds n of them up in f32 adds a rounding of their own, at
+// most n 2^-24 of the sum.)
 #pragma once
 
 #include <cstddef>
@@ -29,7 +31,8 @@ enum class ValueCodec : std::uint32_t { f32 = 0, unorm16 = 1, sqrt8 = 2 };
 /// Bytes of one stored value: 4, 2 or 1.
 std::size_t value_bytes(ValueCodec codec);
 
-/// No block is larger than this, so that every binding fits every device (DESIGN: maxStorageBufferRange 128 MiB on lavapipe).
+/// No block is larger than this, so that every binding fits every device (DESIGN: maxStorageBufferRange 128
+/// MiB on lavapipe).
 inline constexpr std::size_t kMaxBlockBytes = std::size_t{64} << 20;
 
 /// Local columns are 16 bit; a system can import at most this many senders.
@@ -72,9 +75,9 @@ struct MatrixSummary {
 /// Bytes of the four arrays of a block.
 std::size_t block_bytes(const MatrixBlock& block);
 
-/// Appends rows and tiles one by one and cuts blocks at `max_block_bytes`, where R changes, and after a tile that is partly
-/// empty. Codes of sqrt8 are chosen so that errors of neighbouring columns make up for each other: best when columns that
-/// follow each other stand for senders that lie side by side.
+/// Appends rows and tiles one by one and cuts blocks at `max_block_bytes`, where R changes, and after a tile
+/// that is partly empty. Codes of sqrt8 are chosen so that errors of neighbouring columns make up for each
+/// other: best when columns that follow each other stand for senders that lie side by side.
 class BlockMatrixBuilder {
  public:
   BlockMatrixBuilder(std::uint32_t columns, ValueCodec codec, std::size_t max_block_bytes = kMaxBlockBytes);
@@ -83,9 +86,10 @@ class BlockMatrixBuilder {
   /// rounding, of equal length. Zero values are not stored. A tile of R = 1.
   void append_row(std::span<const std::uint16_t> columns, std::span<const double> values);
 
-  /// A tile of R = 8 of 1 to 8 rows that share `columns`: value of row r and column entry c at [r * columns.size() + c], of each
-  /// row as above. Columns that are zero for all rows are not stored.
-  void append_tile(std::span<const std::uint16_t> columns, std::span<const double> values, std::uint32_t row_count);
+  /// A tile of R = 8 of 1 to 8 rows that share `columns`: value of row r and column entry c at [r *
+  /// columns.size() + c], of each row as above. Columns that are zero for all rows are not stored.
+  void append_tile(std::span<const std::uint16_t> columns, std::span<const double> values,
+                   std::uint32_t row_count);
 
   BlockMatrix finish() &&;
 
@@ -100,13 +104,14 @@ class BlockMatrixBuilder {
   std::size_t max_block_bytes_;
 };
 
-/// The decoded view of any block format (R = 1 and 8, all codecs). Entries of a tile that are zero for a row are left out.
-/// The matrix must be valid (see check_block_matrix).
+/// The decoded view of any block format (R = 1 and 8, all codecs). Entries of a tile that are zero for a row
+/// are left out. The matrix must be valid (see check_block_matrix).
 CsrMatrix decode(const BlockMatrix& matrix);
 
 MatrixSummary summarise(const BlockMatrix& matrix);
 
-/// Every promise of the format: blocks in order, offsets monotone and in range, columns ascending and below `columns`, values and scales finite and
+/// Every promise of the format: blocks in order, offsets monotone and in range, columns ascending and below
+/// `columns`, values and scales finite and
 /// >= 0, row sums <= 1, block sizes. The error names the block and row; `what` names the matrix.
 Result<void> check_block_matrix(const BlockMatrix& matrix, const std::string& what);
 

@@ -155,11 +155,11 @@ struct System {
   bool loaded = true;                ///< false: all but the name is empty (read_systems)
   std::uint32_t lightmap_width = 0;  ///< lumels
   std::uint32_t lightmap_height = 0;
-  std::vector<Cluster> clusters;          ///< rows of `bounce`
-  std::vector<SurfaceElement> elements;   ///< grouped by cluster
-  std::vector<SurfacePiece> pieces;       ///< grouped by element
-  /// A bit for each light patch (core/light_patches.h), element by element, lowest first: whether it belongs to its element; empty: all
-  /// do.
+  std::vector<Cluster> clusters;         ///< rows of `bounce`
+  std::vector<SurfaceElement> elements;  ///< grouped by cluster
+  std::vector<SurfacePiece> pieces;      ///< grouped by element
+  /// A bit for each light patch (core/light_patches.h), element by element, lowest first: whether it belongs
+  /// to its element; empty: all do.
   std::vector<std::uint32_t> own_patches;
   std::vector<Lumel> lumels;              ///< rows [0, lumels) of `gather`
   std::vector<Sensor> sensors;            ///< rows [lumels, lumels + sensors) of `gather`
@@ -185,8 +185,9 @@ struct NodeRecord {
   std::uint64_t geometry_hash = 0;  ///< of what the precompute depends on
 };
 
-/// Where a triangle lies in the images of its material: texture coordinates of its corners (1 = the whole image), after any
-/// transform; of its emission texture, or else its base colour texture, or else TEXCOORD_0. Stored.
+/// Where a triangle lies in the images of its material: texture coordinates of its corners (1 = the whole
+/// image), after any transform; of its emission texture, or else its base colour texture, or else TEXCOORD_0.
+/// Stored.
 struct TextureTriangle {
   std::uint32_t triangle = 0;  ///< index into the triangles of the scene
   std::array<glm::vec2, 3> corners{};
@@ -207,7 +208,8 @@ struct Occluders {
   std::vector<glm::vec2> front_uv;
   std::vector<glm::vec2> back_uv;
   Opacity opacity;  ///< of the triangles that let light through
-  /// Ascending by triangle: those that have texture coordinates and a material with a texture, or one that may emit.
+  /// Ascending by triangle: those that have texture coordinates and a material with a texture, or one that
+  /// may emit.
   std::vector<TextureTriangle> texture;
   OccluderBvh bvh;  ///< over those that stop any
 };

@@ -17,11 +17,12 @@ namespace relume {
 /// The bytes of a file that holds `model`. The same model gives the same bytes.
 std::vector<std::byte> encode_model(const Model& model);
 
-/// Verifies structure, sizes (before anything is allocated), every checksum, then check_model. `name` is used in messages.
+/// Verifies structure, sizes (before anything is allocated), every checksum, then check_model. `name` is used
+/// in messages.
 Result<Model> decode_model(std::span<const std::byte> bytes, const std::string& name);
 
-/// Writes to a temporary name in the same folder, syncs, renames: an existing file is replaced whole or not at all. A model of which
-/// systems are not loaded is refused (usage).
+/// Writes to a temporary name in the same folder, syncs, renames: an existing file is replaced whole or not
+/// at all. A model of which systems are not loaded is refused (usage).
 Result<void> write_model(const Model& model, const std::filesystem::path& file);
 
 Result<Model> read_model(const std::filesystem::path& file);
@@ -29,9 +30,9 @@ Result<Model> read_model(const std::filesystem::path& file);
 /// The names of the systems in a file, in their order. Reads no more than the table and the names.
 Result<std::vector<std::string>> read_system_names(const std::filesystem::path& file);
 
-/// The model with the systems `names` alone: only their sections and those of the model are read and checked. The others keep their
-/// numbers, but System::loaded is false and nothing shines from them; missing_share.h says what that leaves open. Fails (usage) for
-/// a name that is not there, or without any.
+/// The model with the systems `names` alone: only their sections and those of the model are read and checked.
+/// The others keep their numbers, but System::loaded is false and nothing shines from them; missing_share.h
+/// says what that leaves open. Fails (usage) for a name that is not there, or without any.
 Result<Model> read_systems(const std::filesystem::path& file, std::span<const std::string> names);
 
 /// The same crash-safe write for any bytes; every file that Relume writes goes through it.
