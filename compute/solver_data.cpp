@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "compute/pass_buffers.h"
-#include "core/sky.h"
 #include "kernels/shared/glsl_types.h"
 
 namespace relume {
