@@ -41,7 +41,7 @@ double row_noise(const Probing& probing, std::span<const RowHalves> rows) {
     ProbeValues difference{};
     add_light(probing, halves.first.row, 0.5f, difference);
     add_light(probing, halves.second.row, -0.5f, difference);
-    const ProbeValues& weights = room_weights(probing, halves.first.row);
+    const ProbeValues& weights = weights_of_room(probing, room_of(probing, halves.first.row));
     for (std::size_t p = 0; p < kProbes; ++p) {
       const double error = double(difference[p] * weights[p]);
       squares += error * error;

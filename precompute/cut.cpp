@@ -49,9 +49,8 @@ std::uint32_t room_of(const Probing& probing, const FormFactorRow& row) {
   return most == sums.end() ? kNoRoom : most->first;
 }
 
-const ProbeValues& room_weights(const Probing& probing, const FormFactorRow& row) {
+const ProbeValues& weights_of_room(const Probing& probing, std::uint32_t room) {
   static constexpr ProbeValues kNothing{};
-  const std::uint32_t room = room_of(probing, row);
   return room == kNoRoom ? kNothing : probing.weights[room];
 }
 
@@ -62,54 +61,51 @@ TileCutter::TileCutter(const CutSenders& senders)
       seen_(senders.probing.senders.size()),
       place_(senders.probing.senders.size()) {}
 
-void TileCutter::unite(const TileRows& tile) {
-  for (const FormFactorRow* row : tile.rows) {
-    for (const auto sender : row->senders) seen_.insert(sender);
+void TileCutter::unite(std::span<const CutRow> tile) {
+  tile_.assign(tile.begin(), tile.end());
+  for (const CutRow& row : tile_) {
+    for (const auto sender : row.row->senders) seen_.insert(sender);
   }
   leaves_.clear();
   seen_.drain([&](std::uint32_t sender) {
     place_[sender] = std::uint32_t(leaves_.size());
     leaves_.push_back(sender);
   });
-  rows_ = tile.rows.size();
-  factors_.assign(leaves_.size() * rows_, 0.0f);
-  for (std::size_t r = 0; r < rows_; ++r) {
-    const FormFactorRow& row = *tile.rows[r];
+  factors_.assign(leaves_.size() * tile_.size(), 0.0f);
+  for (std::size_t r = 0; r < tile_.size(); ++r) {
+    const FormFactorRow& row = *tile_[r].row;
     for (std::size_t i = 0; i < row.senders.size(); ++i)
-      factors_[place_[row.senders[i]] * rows_ + r] = row.values[i];
+      factors_[place_[row.senders[i]] * tile_.size() + r] = row.values[i];
   }
 }
 
-void TileCutter::sum_up(const TileRows& tile) {
+void TileCutter::sum_up() {
   weights_.clear();
   row_rooms_.clear();
-  for (const FormFactorRow* row : tile.rows) {
-    weights_.push_back(room_weights(probing_, *row));
-    row_rooms_.push_back(room_of(probing_, *row));
+  for (const CutRow& row : tile_) {
+    row_rooms_.push_back(room_of(probing_, *row.row));
+    weights_.push_back(weights_of_room(probing_, row_rooms_.back()));
   }
-  rays_ = tile.rays;
-  areas_ = tile.areas;
-  places_ = tile.places;
-  factor_sums_.assign(rows_, 0.0f);
-  factor_sums_.resize((leaves_.size() + 1) * rows_);
-  light_sums_.assign(rows_, ProbeValues{});
-  light_sums_.resize((leaves_.size() + 1) * rows_);
+  factor_sums_.assign(tile_.size(), 0.0f);
+  factor_sums_.resize((leaves_.size() + 1) * tile_.size());
+  light_sums_.assign(tile_.size(), ProbeValues{});
+  light_sums_.resize((leaves_.size() + 1) * tile_.size());
   noise_sums_.assign(1, ProbeValues{});
   for (std::size_t i = 0; i < leaves_.size(); ++i) {
     const ProbeValues& radiosity = probing_.senders[leaves_[i]];
     noise_sums_.push_back(noise_sums_.back());
-    for (std::size_t r = 0; r < rows_; ++r) {
-      const std::size_t at = i * rows_ + r;
-      const float share = factors_[at] / rays_[r];
-      factor_sums_[at + rows_] = factor_sums_[at] + factors_[at];
+    for (std::size_t r = 0; r < tile_.size(); ++r) {
+      const std::size_t at = i * tile_.size() + r;
+      const float share = factors_[at] / tile_[r].rays;
+      factor_sums_[at + tile_.size()] = factor_sums_[at] + factors_[at];
       for (std::size_t p = 0; p < kProbes; ++p) {
-        light_sums_[at + rows_][p] = light_sums_[at][p] + factors_[at] * radiosity[p];
+        light_sums_[at + tile_.size()][p] = light_sums_[at][p] + factors_[at] * radiosity[p];
         const float weighted = weights_[r][p] * radiosity[p];
         noise_sums_.back()[p] += share * weighted * weighted;
       }
     }
   }
-  added_errors_.assign(rows_, ProbeValues{});
+  added_errors_.assign(tile_.size(), ProbeValues{});
   squared_errors_ = spot_errors_ = 0.0;
 }
 
@@ -123,18 +119,19 @@ TileCutter::Candidate TileCutter::candidate(std::uint32_t node, std::size_t firs
   float squared = 0.0f, noise = 0.0f;
   for (std::size_t p = 0; p < kProbes; ++p)
     noise += noise_sums_[result.last][p] - noise_sums_[result.first][p];
-  for (std::size_t r = 0; r < rows_; ++r) {
-    const std::size_t before = result.first * rows_ + r, after = result.last * rows_ + r;
+  for (std::size_t r = 0; r < tile_.size(); ++r) {
+    const std::size_t before = result.first * tile_.size() + r, after = result.last * tile_.size() + r;
     const float factor = factor_sums_[after] - factor_sums_[before];
     for (std::size_t p = 0; p < kProbes; ++p) {
       const float light = light_sums_[after][p] - light_sums_[before][p];
       const float error = (light - factor * mean[p]) * weights_[r][p];
       squared += error * error;
-      noise += mean[p] * (factor * mean[p] - 2.0f * light) * weights_[r][p] * weights_[r][p] / rays_[r];
+      noise += mean[p] * (factor * mean[p] - 2.0f * light) * weights_[r][p] * weights_[r][p] / tile_[r].rays;
     }
   }
   noise = std::clamp(noise, 0.0f, squared);
-  result.squared_error = std::max(squared - kNoiseShare * noise, kAtLeast * squared) / float(rows_ * kProbes);
+  result.squared_error =
+      std::max(squared - kNoiseShare * noise, kAtLeast * squared) / float(tile_.size() * kProbes);
   result.spot_error = spot_error(result);
   result.squared_error += result.spot_error;
   return result;
@@ -146,17 +143,17 @@ float TileCutter::spot_error(const Candidate& c) const {
   if (own.area <= 0.0f) return 0.0f;
   const NodeSurface &left = probing_.surfaces[range.left], &right = probing_.surfaces[range.left + 1];
   float sum = 0.0f;
-  for (std::size_t r = 0; r < rows_; ++r) {
+  for (std::size_t r = 0; r < tile_.size(); ++r) {
     if (row_rooms_[r] != probing_.rooms[range.first]) continue;
-    const float factor = factor_sums_[c.last * rows_ + r] - factor_sums_[c.first * rows_ + r];
-    const float here = density(places_[r], left), there = density(places_[r], right);
+    const float factor = factor_sums_[c.last * tile_.size() + r] - factor_sums_[c.first * tile_.size() + r];
+    const float here = density(tile_[r].place, left), there = density(tile_[r].place, right);
     const float mean = (left.area * here + right.area * there) / own.area;
     const float difference = mean > 0.0f ? factor * (here - there) / mean : factor;
     sum += difference * difference;
   }
   const float halves = left.area * right.area / (own.area * own.area);
   const float spots = own.room_area / std::max(own.area, kLeastSpot * own.room_area);
-  return kSpots * spots * halves * sum / float(rows_);
+  return kSpots * spots * halves * sum / float(tile_.size());
 }
 
 void TileCutter::book(const Candidate& c, float sign) {
@@ -164,8 +161,8 @@ void TileCutter::book(const Candidate& c, float sign) {
   spot_errors_ += double(sign * c.spot_error);
   if (tree_.nodes[c.node].count == 1) return;
   const ProbeValues& mean = probing_.nodes[c.node];
-  for (std::size_t r = 0; r < rows_; ++r) {
-    const std::size_t before = c.first * rows_ + r, after = c.last * rows_ + r;
+  for (std::size_t r = 0; r < tile_.size(); ++r) {
+    const std::size_t before = c.first * tile_.size() + r, after = c.last * tile_.size() + r;
     const float factor = factor_sums_[after] - factor_sums_[before];
     for (std::size_t p = 0; p < kProbes; ++p) {
       added_errors_[r][p] +=
@@ -179,7 +176,7 @@ float TileCutter::tile_error() const {
   for (const ProbeValues& row : added_errors_) {
     for (const float error : row) added += error * error;
   }
-  return std::max(float(squared_errors_), added / float(rows_ * kProbes) + float(spot_errors_));
+  return std::max(float(squared_errors_), added / float(tile_.size() * kProbes) + float(spot_errors_));
 }
 
 template <class Stop>
@@ -207,18 +204,18 @@ std::vector<TileCutter::Candidate> TileCutter::refine(Stop&& stop) {
   return kept;
 }
 
-CutTile TileCutter::cut(const TileRows& tile, const CutLimits& limits) {
+CutTile TileCutter::cut(std::span<const CutRow> tile, const CutLimits& limits) {
   unite(tile);
-  sum_up(tile);
+  sum_up();
   const auto enough = float(limits.node_error * limits.node_error);
   return finish(refine([&](float worst, std::size_t nodes) {
     return limits.budget > 0 ? nodes >= limits.budget : worst <= enough;
   }));
 }
 
-std::vector<CutStep> TileCutter::steps(const TileRows& tile) {
+std::vector<CutStep> TileCutter::steps(std::span<const CutRow> tile) {
   unite(tile);
-  sum_up(tile);
+  sum_up();
   std::vector<CutStep> steps;
   refine([&](float worst, std::size_t) {
     steps.push_back({worst, tile_error()});
@@ -231,7 +228,8 @@ void TileCutter::add_flux(const Candidate& kept) const {
   if (tree_.nodes[kept.node].count == 1) return;
   for (std::size_t i = kept.first; i < kept.last; ++i) {
     double flux = 0.0;
-    for (std::size_t r = 0; r < rows_; ++r) flux += double(areas_[r]) * double(factors_[i * rows_ + r]);
+    for (std::size_t r = 0; r < tile_.size(); ++r)
+      flux += double(tile_[r].area) * double(factors_[i * tile_.size() + r]);
     if (flux > 0.0) flux_->add(kept.node, leaves_[i], flux);
   }
 }
@@ -244,11 +242,11 @@ CutTile TileCutter::finish(std::vector<Candidate> kept) const {
     tile.nodes.push_back(c.node);
     if (flux_ != nullptr) add_flux(c);
   }
-  tile.values.resize(rows_);
-  for (std::size_t r = 0; r < rows_; ++r) {
+  tile.values.resize(tile_.size());
+  for (std::size_t r = 0; r < tile_.size(); ++r) {
     for (const Candidate& c : kept) {
       double sum = 0.0;
-      for (std::size_t i = c.first; i < c.last; ++i) sum += double(factors_[i * rows_ + r]);
+      for (std::size_t i = c.first; i < c.last; ++i) sum += double(factors_[i * tile_.size() + r]);
       tile.values[r].push_back(float(sum));
     }
     float squares = 0.0f;

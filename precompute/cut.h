@@ -31,12 +31,12 @@ struct CutLimits {
   double node_error = 0.0;   ///< without a budget: refine until no node's error is larger
 };
 
-/// Rows side by side that are to share one column list.
-struct TileRows {
-  std::vector<const FormFactorRow*> rows;
-  std::vector<float> rays;           ///< of each
-  std::vector<float> areas;          ///< of each, m2: of points 0
-  std::vector<SurfacePoint> places;  ///< of each: its middle
+/// A row that is to be cut.
+struct CutRow {
+  const FormFactorRow* row = nullptr;
+  float rays = 0.0f;
+  float area = 0.0f;   ///< m2, of a point 0
+  SurfacePoint place;  ///< its middle
 };
 
 /// What rows are cut against; `flux`, if there is one, gets what they receive by way of the nodes that they
@@ -64,15 +64,15 @@ class TileCutter {
   /// irradiance of the room that the row lies in, root mean square, less what the noise of the rays alone
   /// would make of it; and what it would hide of a light that the probes know nothing of, which lights a
   /// small spot somewhere in the room.
-  CutTile cut(const TileRows& tile, const CutLimits& limits);
+  CutTile cut(std::span<const CutRow> tile, const CutLimits& limits);
 
   /// All refinements down to the leaves.
-  std::vector<CutStep> steps(const TileRows& tile);
+  std::vector<CutStep> steps(std::span<const CutRow> tile);
 
  private:
   struct Candidate;
-  void unite(const TileRows& tile);
-  void sum_up(const TileRows& tile);
+  void unite(std::span<const CutRow> tile);
+  void sum_up();
   /// Refines until stop(error of the worst node, nodes) says so; returns what is kept.
   template <class Stop>
   std::vector<Candidate> refine(Stop&& stop);
@@ -92,16 +92,14 @@ class TileCutter {
   const Probing& probing_;
   NodeFlux* flux_;
   SenderSet seen_;
-  std::vector<std::uint32_t> leaves_;  ///< that any row of the tile sees, ascending
-  std::vector<std::uint32_t> place_;   ///< per sender: in leaves_
-  std::size_t rows_ = 0;
+  std::vector<std::uint32_t> leaves_;    ///< that any row of the tile sees, ascending
+  std::vector<std::uint32_t> place_;     ///< per sender: in leaves_
   std::vector<float> factors_;           ///< [leaf][row]
   std::vector<float> factor_sums_;       ///< [leaf][row]: of all leaves before
   std::vector<ProbeValues> light_sums_;  ///< [leaf][row]: of form factor x radiosity of all leaves before
   std::vector<ProbeValues> noise_sums_;  ///< [leaf]: of form factor x (weight x radiosity)^2 / rays over rows
   std::vector<ProbeValues> weights_;     ///< [row]
-  std::vector<float> rays_, areas_;      ///< [row]
-  std::vector<SurfacePoint> places_;     ///< [row]
+  std::vector<CutRow> tile_;
   std::vector<std::uint32_t> row_rooms_;   ///< [row]
   std::vector<ProbeValues> added_errors_;  ///< [row]: of all nodes kept so far
   double squared_errors_ = 0.0;            ///< of all nodes kept so far, over rows and probes
@@ -113,7 +111,7 @@ inline constexpr std::uint32_t kNoRoom = 0xffffffffu;
 /// The room that a row lies in: the one that it sees most of; kNoRoom where it sees none.
 std::uint32_t room_of(const Probing& probing, const FormFactorRow& row);
 
-/// The weights of the room that a row lies in: the one that it sees most of. All 0 where it sees none.
-const ProbeValues& room_weights(const Probing& probing, const FormFactorRow& row);
+/// Probing::weights; all 0 of kNoRoom.
+const ProbeValues& weights_of_room(const Probing& probing, std::uint32_t room);
 
 }  // namespace relume

@@ -19,19 +19,15 @@ CutLimits tile_limits(std::span<const CutLimits> limits) {
 
 }  // namespace
 
-std::vector<CutTile> cut_rows(const CutSenders& senders, const TileRows& rows,
+std::vector<CutTile> cut_rows(const CutSenders& senders, std::span<const CutRow> rows,
                               const TileCutOptions& options) {
-  std::vector<CutTile> tiles((rows.rows.size() + options.rows - 1) / options.rows);
+  std::vector<CutTile> tiles((rows.size() + options.rows - 1) / options.rows);
   tbb::enumerable_thread_specific<TileCutter> cutters([&] { return TileCutter(senders); });
   tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t t) {
     const std::size_t first = t * options.rows,
-                      count = std::min<std::size_t>(options.rows, rows.rows.size() - first);
-    const auto part = [&](const auto& all) {
-      return std::vector(all.begin() + std::ptrdiff_t(first), all.begin() + std::ptrdiff_t(first + count));
-    };
+                      count = std::min<std::size_t>(options.rows, rows.size() - first);
     const auto limits = options.limits.size() == 1 ? options.limits : options.limits.subspan(first, count);
-    tiles[t] = cutters.local().cut({part(rows.rows), part(rows.rays), part(rows.areas), part(rows.places)},
-                                   tile_limits(limits));
+    tiles[t] = cutters.local().cut(rows.subspan(first, count), tile_limits(limits));
   });
   return tiles;
 }

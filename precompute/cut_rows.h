@@ -17,6 +17,7 @@ struct TileCutOptions {
 };
 
 /// Tiles in the order of their rows; in the calling task arena, the same for any number of threads.
-std::vector<CutTile> cut_rows(const CutSenders& senders, const TileRows& rows, const TileCutOptions& options);
+std::vector<CutTile> cut_rows(const CutSenders& senders, std::span<const CutRow> rows,
+                              const TileCutOptions& options);
 
 }  // namespace relume

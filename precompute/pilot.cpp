@@ -106,11 +106,9 @@ double find_node_error(const std::vector<PilotRows>& pilot, const ClusterTree& t
   std::vector<std::vector<CutStep>> steps(pilot.size());
   tbb::enumerable_thread_specific<TileCutter> cutters([&] { return TileCutter({tree, probing}); });
   tbb::parallel_for(std::size_t{0}, pilot.size(), [&](std::size_t i) {
-    TileRows tile;
-    for (const FormFactorRow& row : pilot[i].rows) tile.rows.push_back(&row);
-    tile.rays.assign(tile.rows.size(), float(kPilotRays));
-    tile.areas.assign(tile.rows.size(), 0.0f);
-    tile.places = pilot[i].places;
+    std::vector<CutRow> tile;
+    for (std::size_t r = 0; r < pilot[i].rows.size(); ++r)
+      tile.push_back({&pilot[i].rows[r], float(kPilotRays), 0.0f, pilot[i].places[r]});
     steps[i] = cutters.local().steps(tile);
   });
   const auto error_at = [&](double node_error) {

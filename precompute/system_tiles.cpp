@@ -23,19 +23,17 @@ std::vector<CutLimits> cluster_cuts(const TracedSystem& system, const std::vecto
 
 std::vector<CutTile> cut_clusters(const CutSenders& senders, const TracedSystem& system,
                                   const SystemRows& rows, const std::vector<CutLimits>& node_cuts) {
-  TileRows tile_rows;
-  tile_rows.rays.assign(system.surface.cluster_count, 0.0f);
-  tile_rows.areas.assign(system.surface.cluster_count, 0.0f);
-  tile_rows.places.resize(system.surface.cluster_count);
+  std::vector<CutRow> cut(system.surface.cluster_count);
+  for (std::size_t c = 0; c < cut.size(); ++c) cut[c].row = &rows.clusters[c];
   for (std::size_t e = 0; e < system.surface.cluster.size(); ++e) {
-    tile_rows.rays[system.surface.cluster[e]] += float(rows.element_rays[e].count);
     const Element& element = system.surface.surface.elements[e];
-    tile_rows.areas[system.surface.cluster[e]] += element.area;
-    tile_rows.places[system.surface.cluster[e]] = {element.position, element.normal};
+    CutRow& row = cut[system.surface.cluster[e]];
+    row.rays += float(rows.element_rays[e].count);
+    row.area += element.area;
+    row.place = {element.position, element.normal};
   }
-  for (const FormFactorRow& row : rows.clusters) tile_rows.rows.push_back(&row);
-  const std::vector<CutLimits> cuts = cluster_cuts(system, node_cuts);
-  return cut_rows(senders, tile_rows, {kTileRows, cuts});
+  const std::vector<CutLimits> limits = cluster_cuts(system, node_cuts);
+  return cut_rows(senders, cut, {kTileRows, limits});
 }
 
 LumelCutter::LumelCutter(const CutSenders& senders, const TracedSystem& system,
@@ -55,18 +53,18 @@ std::vector<CutTile> LumelCutter::finish(SystemRows& rows) {
 }
 
 void LumelCutter::cut(std::size_t count, SystemRows& rows) {
-  TileRows tile_rows;
+  std::vector<CutRow> cut;
   std::vector<CutLimits> limits;
   for (std::size_t i = 0; i < count; ++i) {
-    tile_rows.rows.push_back(&rows.elements[waiting_[i]]);
-    tile_rows.rays.push_back(float(rows.element_rays[waiting_[i]].count));
     const Element& element = system_.surface.surface.elements[waiting_[i]];
-    tile_rows.areas.push_back(element.area);
-    tile_rows.places.push_back({element.position, element.normal});
+    cut.push_back({&rows.elements[waiting_[i]],
+                   float(rows.element_rays[waiting_[i]].count),
+                   element.area,
+                   {element.position, element.normal}});
     limits.push_back(node_cuts_[system_.node(waiting_[i])]);
   }
   if (count == 0) return;
-  auto tiles = cut_rows(senders_, tile_rows, {kTileRows, limits});
+  auto tiles = cut_rows(senders_, cut, {kTileRows, limits});
   std::move(tiles.begin(), tiles.end(), std::back_inserter(tiles_));
   for (std::size_t i = 0; i < count; ++i) rows.elements[waiting_[i]] = {};
   waiting_.erase(waiting_.begin(), waiting_.begin() + std::ptrdiff_t(count));

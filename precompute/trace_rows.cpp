@@ -60,13 +60,10 @@ Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces, c
   rows.sensors = std::move(*sensor_rows);
   rows.sensor_systems = systems_of_sensors(senders, surfaces.systems.size(), rows.sensors.rows);
   for (std::uint32_t s = 0; s < rows.tiles.size(); ++s) {
-    TileRows own;
+    std::vector<CutRow> own;
     for (std::size_t i = 0; i < rows.sensors.rows.size(); ++i) {
       if (rows.sensor_systems[i] != s) continue;
-      own.rows.push_back(&rows.sensors.rows[i]);
-      own.rays.push_back(float(rows.sensors.rays[i].count));
-      own.areas.push_back(0.0f);
-      own.places.push_back(sensors[i]);
+      own.push_back({&rows.sensors.rows[i], float(rows.sensors.rays[i].count), 0.0f, sensors[i]});
     }
     rows.tiles[s].sensors = cut_rows(*cut, own, {1, {&plan.sensor_cut, 1}});
   }

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "compute/standalone/solver_session.h"
+#include "kernels/shared/limits.h"
 
 namespace relume {
 namespace {
@@ -197,9 +198,21 @@ class BounceLoop {
   const DeviceSolveOptions& options_;
 };
 
-RowKernel choose_kernel(const StandaloneDevice& device, const DeviceSolveOptions& options) {
+bool has_tiles(const Model& model) {
+  const auto in_tiles = [](const BlockMatrix& matrix) {
+    return !matrix.blocks.empty() && matrix.blocks[0].tile_rows == kernels::kTileOfRows;
+  };
+  return std::any_of(model.systems.begin(), model.systems.end(), [&](const System& system) {
+    return in_tiles(system.bounce) || in_tiles(system.gather);
+  });
+}
+
+RowKernel choose_kernel(const StandaloneDevice& device, const Model& model,
+                        const DeviceSolveOptions& options) {
+  if (options.kernel) return *options.kernel;
+  if (has_tiles(model)) return RowKernel::tile_shared;
   const bool processor = device.type() == VK_PHYSICAL_DEVICE_TYPE_CPU;
-  return options.kernel.value_or(processor ? RowKernel::row_per_thread : RowKernel::row_per_8_lanes);
+  return processor ? RowKernel::row_per_thread : RowKernel::row_per_8_lanes;
 }
 
 Result<void> gather(SolverSession& session, DeviceSolution& out) {
@@ -235,7 +248,7 @@ Result<DeviceSolution> solve_on_device(StandaloneDevice& device, const Model& mo
   if (auto checked = check_lighting(model, lighting); !checked) return failed(checked.error());
   DeviceSolution out;
   Stopwatch watch;
-  const RowKernel kernel = choose_kernel(device, options);
+  const RowKernel kernel = choose_kernel(device, model, options);
   auto session =
       SolverSession::create(device, model, {kernel, options.max_dispatch_form_factors, options.fetch},
                             {options.max_submit_form_factors, options.timeout_seconds});

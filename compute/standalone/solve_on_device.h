@@ -16,7 +16,8 @@
 namespace relume {
 
 struct DeviceSolveOptions {
-  /// Nothing: row_per_thread on a processor, row_per_8_lanes elsewhere. The result is the same to the bit.
+  /// Nothing: tile_shared for rows in tiles, which needs no subgroups; else row_per_thread on a processor,
+  /// row_per_8_lanes elsewhere. The result is the same to the bit.
   std::optional<RowKernel> kernel;
   std::optional<MatrixFetch> fetch{};  ///< see SolverOptions
   std::uint64_t max_dispatch_form_factors = 4'000'000;

@@ -93,12 +93,14 @@ Probing shown(const ClusterTree& tree, const std::vector<float>& radiosities) {
   return probing;
 }
 
-CutTile cut(const ClusterTree& tree, const Probing& probing, std::vector<const FormFactorRow*> rows,
+/// Without noise.
+constexpr float kManyRays = 1e9f;
+
+CutTile cut(const ClusterTree& tree, const Probing& probing, const std::vector<const FormFactorRow*>& rows,
             const CutLimits& limits) {
-  const std::vector<float> rays(rows.size(), 1e9f);
-  const std::vector<float> areas(rows.size(), 0.0f);
-  const std::vector<SurfacePoint> places(rows.size());
-  return TileCutter({tree, probing}).cut({rows, rays, areas, places}, limits);
+  std::vector<CutRow> tile;
+  for (const FormFactorRow* row : rows) tile.push_back({row, kManyRays, 0.0f, {}});
+  return TileCutter({tree, probing}).cut(tile, limits);
 }
 
 const std::vector<float> kRamp{1, 2, 3, 4, 5, 6, 7, 8};
@@ -211,7 +213,8 @@ TEST(Cut, RefinesNearbyWhereASpotMightShineThoughAllLooksAlike) {
     row.values.push_back(float(1.0 / (3.2 * (1.0 + i * i) * (1.0 + i * i))));
   }
   const CutTile tile =
-      TileCutter({tree, probing}).cut({{&row}, {1e9f}, {0.0f}, {{{0, 1, 0}, {0, -1, 0}}}}, {4, 0.0});
+      TileCutter({tree, probing})
+          .cut(std::vector<CutRow>{{&row, kManyRays, 0.0f, {{0, 1, 0}, {0, -1, 0}}}}, {4, 0.0});
   std::vector<std::uint32_t> counts;
   for (const TreeNodeRange& node : ranges(tree, tile)) counts.push_back(node.count);
   EXPECT_EQ(counts, (std::vector<std::uint32_t>{1, 1, 2, 4}));
@@ -224,7 +227,8 @@ TEST(NodeFlux, IsWhatTheRowsReceiveFromEachLeafByWayOfTheNode) {
   const Probing probing = shown(tree, std::vector<float>(8, 1.0f));
   NodeFlux flux(tree, 3.0);
   const FormFactorRow large{{0, 1}, {0.5f, 0.25f}}, small{{1, 7}, {0.5f, 0.25f}};
-  TileCutter({tree, probing, &flux}).cut({{&large, &small}, {1e9f, 1e9f}, {2.0f, 1.0f}, {{}, {}}}, {1, 0.0});
+  TileCutter({tree, probing, &flux})
+      .cut(std::vector<CutRow>{{&large, kManyRays, 2.0f, {}}, {&small, kManyRays, 1.0f, {}}}, {1, 0.0});
   const std::vector<double> of_root = flux.of(tree.roots[0]);
   ASSERT_EQ(of_root.size(), 8u);
   for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(of_root[i], i < 2 ? 1.0 : i == 7 ? 0.25 : 0.0, 1e-15) << i;
@@ -238,7 +242,7 @@ TEST(NodeFlux, OfANodeThatNoRowKeepsIsThatOfTheNodesBelow) {
   const Probing probing = shown(tree, {1, 1, 1, 1, 5, 5, 5, 5});
   NodeFlux flux(tree, 1.0);
   const FormFactorRow row{{0, 5}, {0.5f, 0.25f}};
-  TileCutter({tree, probing, &flux}).cut({{&row}, {1e9f}, {1.0f}, {{}}}, {2, 0.0});
+  TileCutter({tree, probing, &flux}).cut(std::vector<CutRow>{{&row, kManyRays, 1.0f, {}}}, {2, 0.0});
   const std::vector<double> of_root = flux.of(tree.roots[0]);
   for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(of_root[i], i == 0 ? 0.5 : i == 5 ? 0.25 : 0.0, 1e-15) << i;
 }
@@ -254,11 +258,11 @@ TEST(SensorSystems, AreThoseThatTheySeeMostOf) {
 TEST(CutRows, MakesTilesOfNeighboursWithTheRestInTheLast) {
   const ClusterTree tree = tree_of_eight();
   const FormFactorRow left{{0, 1}, {0.5f, 0.25f}}, right{{7}, {0.5f}};
-  const std::vector<const FormFactorRow*> rows{&left, &left, &right};
+  std::vector<CutRow> rows;
+  for (const FormFactorRow* row : {&left, &left, &right}) rows.push_back({row, kManyRays, 0.0f, {}});
   const CutLimits limits{100, 0.0};
   const Probing probing = shown(tree, kRamp);
-  const auto tiles = cut_rows({tree, probing}, {rows, {1e9f, 1e9f, 1e9f}, {0.0f, 0.0f, 0.0f}, {{}, {}, {}}},
-                              {2, {&limits, 1}});
+  const auto tiles = cut_rows({tree, probing}, rows, {2, {&limits, 1}});
   ASSERT_EQ(tiles.size(), 2u);
   EXPECT_EQ(tiles[0].values.size(), 2u);
   EXPECT_EQ(tiles[1].values, (std::vector<std::vector<float>>{{0.5f}}));

@@ -141,12 +141,9 @@ class CutQuality : public testing::Test {
 
   std::vector<CutTile> cut(const SampledRows& sampled, std::uint32_t tile_rows) const {
     const CutLimits limits{kBudget, 0.0};
-    TileRows all;
-    for (const FormFactorRow& row : sampled.rows) {
-      all.rows.push_back(&row);
-      all.rays.push_back(float(kRays)), all.areas.push_back(0.0f);
-    }
-    all.places = sampled.places;
+    std::vector<CutRow> all;
+    for (std::size_t i = 0; i < sampled.rows.size(); ++i)
+      all.push_back({&sampled.rows[i], float(kRays), 0.0f, sampled.places[i]});
     return cut_rows({survey_.senders.tree, survey_.probing}, all, {tile_rows, {&limits, 1}});
   }
 
@@ -184,7 +181,8 @@ TEST_F(CutQuality, AgainstTheLargestAndAgainstOwnLists) {
   const SampledRows sampled = sample_rows();
   const std::vector<FormFactorRow>& rows = sampled.rows;
   const std::vector<CutTile> shared = cut(sampled, kTile), own = cut(sampled, 1);
-  for (const Values& light : {lit_by_bulb({1.0f, 1.7f, 2.2f}), lit_by_lamp()}) {
+  for (const auto& [name, light] :
+       {std::pair("bulb", lit_by_bulb({1.0f, 1.7f, 2.2f})), {"lamp", lit_by_lamp()}}) {
     double total = 0.0, count = 0.0;
     Errors errors;
     for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -198,9 +196,9 @@ TEST_F(CutQuality, AgainstTheLargestAndAgainstOwnLists) {
     }
     for (double* error : {&errors.shared, &errors.own, &errors.truncated}) *error = std::sqrt(*error / total);
     EXPECT_GT(count, 200.0);
-    RecordProperty("own", std::to_string(errors.own));
-    RecordProperty("shared", std::to_string(errors.shared));
-    RecordProperty("truncated", std::to_string(errors.truncated));
+    RecordProperty(std::string(name) + "_own", std::to_string(errors.own));
+    RecordProperty(std::string(name) + "_shared", std::to_string(errors.shared));
+    RecordProperty(std::string(name) + "_truncated", std::to_string(errors.truncated));
     EXPECT_GE(errors.truncated, 4.0 * errors.shared);
     EXPECT_LE(errors.shared, 1.25 * errors.own);
   }
