@@ -44,6 +44,18 @@ HostDevice host_from_c(const relume_host& host) {
           host.pipeline_cache, host.allocation_callbacks};
 }
 
+SolverOptions options_from_c(const relume_solver_options& options) {
+  SolverOptions out;
+  if (options.kernel != RELUME_KERNEL_DEFAULT)
+    out.kernel = static_cast<RowKernel>(options.kernel - RELUME_ROW_PER_THREAD);
+  if (options.fetch != RELUME_FETCH_DEFAULT)
+    out.fetch = static_cast<MatrixFetch>(options.fetch - RELUME_FETCH_STORAGE);
+  if (options.max_dispatch_form_factors > 0)
+    out.max_dispatch_form_factors = options.max_dispatch_form_factors;
+  out.sender_capacity = options.sender_capacity;
+  return out;
+}
+
 /// Buffers of the lights; those of the occluders are shared with the first.
 Result<std::vector<BufferRange>> light_ranges(relume_solver& solver, const DirectLight& light,
                                               std::uint32_t system, const BufferAllocator& allocate) {
@@ -104,11 +116,13 @@ Result<void> load(relume_solver& solver, std::uint32_t system, double max_albedo
 }  // namespace relume::c_api
 
 relume_status relume_solver_create(const relume_host* host, const relume_model* model,
-                                   double largest_radiosity, relume_solver** solver, relume_error* error) {
+                                   const relume_solver_options* options, double largest_radiosity,
+                                   relume_solver** solver, relume_error* error) {
   *solver = nullptr;
   return guarded(error, [&]() -> Result<void> {
     const HostDevice device = c_api::host_from_c(*host);
-    auto made = GpuSolver::create(device, model->model, {});
+    auto made = GpuSolver::create(device, model->model,
+                                  options != nullptr ? c_api::options_from_c(*options) : SolverOptions{});
     if (!made) return tl::unexpected<Error>(made.error());
     *solver = new relume_solver{device, &model->model, std::move(*made),
                                 make_schedule(model->model.systems.size(), largest_radiosity)};
@@ -140,6 +154,10 @@ relume_status relume_add_lights(relume_solver* solver, uint32_t system, uint32_t
   return guarded(error, [&] {
     return c_api::add_lights(*solver, system, max_lights, c_api::allocator(allocate, user));
   });
+}
+
+void relume_device_lost(relume_solver* solver) {
+  solver->solver.latch({ErrorCode::no_device, "the device was lost"});
 }
 
 void relume_deactivate_system(relume_solver* solver, uint32_t system) {

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * c_renderer FILE: a renderer in C, from an installed package. Reads a model, asks what its device must have
- * and, where there is one, lights it for some frames. What a lamp adds must double with its intensity. */
+ * c_renderer ROOMS SQUARES: a renderer in C, from an installed package. Reads a model of rooms, asks what its
+ * device must have and, where there is one, lights it for some frames: what a lamp adds must double with its
+ * intensity. Then see colors.h. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "device.h"
+#include "colors.h"
 
 static int failed(const char* what, const relume_error* error) {
   fprintf(stderr, "%s: %s\n", what, error->message);
@@ -80,7 +81,8 @@ static int run(struct renderer* r, const relume_model* model) {
   host.device = r->device;
   host.get_instance_proc_addr = vkGetInstanceProcAddr;
   relume_solver* solver = NULL;
-  if (relume_solver_create(&host, model, 1e6, &solver, &error) != RELUME_OK) return failed("create", &error);
+  if (relume_solver_create(&host, model, NULL, 1e6, &solver, &error) != RELUME_OK)
+    return failed("create", &error);
   relume_staging staging, results;
   relume_irradiance_target target = {0};
   double none = 0.0, once = 0.0, twice = 0.0;
@@ -100,24 +102,49 @@ static int run(struct renderer* r, const relume_model* model) {
   return status;
 }
 
+/* Frames of 2 ms and a nanosecond a form factor. */
+static int check_cost_model(void) {
+  const relume_frame_time frames[2] = {{1000000, 0.003}, {3000000, 0.005}};
+  const relume_cost_model model = relume_fit_cost_model(frames, 2);
+  const double within = (double)relume_form_factors_within(&model, 0.004);
+  return fabs(within - 2e6) <= 1e3 && relume_form_factors_within(&model, 0.001) == 1 ? 0 : 1;
+}
+
+static int check_systems(const char* file, const relume_model* model) {
+  relume_error error;
+  relume_model* part = NULL;
+  const char* name = relume_model_system_name(model, 0);
+  const char* nobody = "no such system";
+  const int wrong = relume_model_read_systems(file, &nobody, 1, &part, &error) != RELUME_USAGE ||
+                    part != NULL || relume_model_read_systems(file, &name, 1, &part, &error) != RELUME_OK ||
+                    relume_model_system_count(part) != relume_model_system_count(model);
+  relume_model_destroy(part);
+  return wrong;
+}
+
 int main(int count, char** arguments) {
   relume_error error;
   relume_model* model = NULL;
   if (relume_model_read("/nowhere/model.relume", &model, &error) != RELUME_BAD_INPUT || model != NULL ||
       error.message[0] == '\0')
     return 1;
-  if (count < 2) return 0;
-  if (relume_model_read(arguments[1], &model, &error) != RELUME_OK) return failed("read", &error);
+  if (check_cost_model() != 0) return 1;
+  if (count < 3) return 0;
+  relume_model* squares = NULL;
+  if (relume_model_read(arguments[1], &model, &error) != RELUME_OK ||
+      relume_model_read(arguments[2], &squares, &error) != RELUME_OK)
+    return failed("read", &error);
   for (uint32_t s = 0; s < relume_model_system_count(model); ++s)
     printf("%s: %u clusters, %u gather rows\n", relume_model_system_name(model, s),
            relume_model_cluster_count(model, s), relume_model_gather_row_count(model, s));
   struct renderer renderer;
-  int status = 0;
+  int status = check_systems(arguments[1], model);
   if (open_renderer(&renderer, &error))
-    status = run(&renderer, model);
+    status = status || run(&renderer, model) || check_colors(&renderer, squares);
   else
     printf("no device: %s\n", error.message);
   close_renderer(&renderer);
+  relume_model_destroy(squares);
   relume_model_destroy(model);
   return status;
 }
