@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * Relume for C99 and for languages that call C: the functions of compute/gpu_solver.h, schedule.h,
- * direct_light.h, lightmap_pass.h and cost_model.h, whose headers say what begins and ends with which stage
- * and access, what is left bound, and who may call what from which thread. Here one solver holds a model's
- * systems, its schedule and its lights. Live materials and screens are in compute/relume_colors.h.
+ * direct_light.h and cost_model.h, whose headers say what begins and ends with which stage and access, what
+ * is left bound, and who may call what from which thread. Here one solver holds a model's systems, its
+ * schedule and its lights. Lightmaps, live materials and screens are in compute/relume_passes.h.
  *
  *   relume_model_read                     a .relume file
  *   relume_device_requirements            before the host makes its device
@@ -163,16 +163,31 @@ void relume_solver_destroy(relume_solver* solver);
 relume_status relume_solver_bind(relume_solver* solver, relume_allocate allocate, void* user,
                                  relume_error* error);
 
+/* For systems that come and go: from now on relume_load_system, and what is made for systems, reads `model`,
+ * which is of the same file (relume_model_read_systems) and lives as long as what is loaded of it. */
+void relume_use_model(relume_solver* solver, const relume_model* model);
+
 /* `max_albedo`: no cluster will have more, below 1; 0: none will have more than is stored. Fails with
  * RELUME_USAGE when the system is loaded. Frames in flight do not matter. */
 relume_status relume_load_system(relume_solver* solver, uint32_t system, double max_albedo,
                                  relume_allocate allocate, void* user, relume_error* error);
 
+typedef struct relume_light_options {
+  uint32_t max_lights; /* 0: 16384 */
+  uint32_t max_pairs;  /* of a light and a block of surfaces: see DirectLightOptions. 0: for 64 far lights */
+  int by_mask;         /* not 0: nothing is traced, the host writes relume_light_mask */
+} relume_light_options;
+
 /* Direct light with shadows for a loaded system, traced on the device. Without it the host writes
- * RELUME_DIRECT itself. `max_lights` 0: 16384. The first call asks for "occluder tree", "occluder triangles"
+ * RELUME_DIRECT itself. `options` may be null. The first call asks for "occluder tree", "occluder triangles"
  * and "occluder opacity" too, which all systems share: they live as long as the solver. */
-relume_status relume_add_lights(relume_solver* solver, uint32_t system, uint32_t max_lights,
+relume_status relume_add_lights(relume_solver* solver, uint32_t system, const relume_light_options* options,
                                 relume_allocate allocate, void* user, relume_error* error);
+
+/* Of a system with by_mask: the share of the light that arrives, a float per light and cluster, clusters of
+ * one light side by side. After it was written: relume_retrace_lights, before the next plan. */
+relume_buffer_range relume_light_mask(const relume_solver* solver, uint32_t system);
+void relume_retrace_lights(relume_solver* solver, uint32_t system);
 
 /* For a host that learns of a lost device first: from now on all that can fails with RELUME_NO_DEVICE. */
 void relume_device_lost(relume_solver* solver);
@@ -239,35 +254,6 @@ relume_buffer_range relume_irradiance(const relume_solver* solver, uint32_t syst
 /* Direct irradiance per gather row of a system with lights. */
 relume_buffer_range relume_direct_irradiance(const relume_solver* solver, uint32_t system);
 
-/* ---- Lightmaps ---------------------------------------------------------------------------------------- */
-
-typedef struct relume_lightmap relume_lightmap;
-
-typedef enum relume_lightmap_format {
-  RELUME_RGBA16F = 0,
-  RELUME_R11G11B10F = 1,
-  RELUME_RGB9E5 = 2
-} relume_lightmap_format;
-
-/* What the host's image is made with, at least: 2D, optimal tiling, one layer, one sample. */
-typedef struct relume_lightmap_image {
-  VkFormat format;
-  VkFormat storage_view_format; /* of the view that relume_lightmap_bind gets */
-  VkExtent2D extent;
-  VkImageUsageFlags usage;
-  VkImageCreateFlags flags;
-} relume_lightmap_image;
-
-/* Of a loaded system. To be destroyed before the solver, when no command buffer uses it. */
-relume_status relume_lightmap_create(relume_solver* solver, uint32_t system, relume_lightmap_format format,
-                                     relume_lightmap** lightmap, relume_lightmap_image* image,
-                                     relume_error* error);
-void relume_lightmap_destroy(relume_lightmap* lightmap);
-
-/* Once, followed by relume_record_upload. `add_direct` not 0: with the light of relume_add_lights. */
-relume_status relume_lightmap_bind(relume_lightmap* lightmap, relume_allocate allocate, void* user,
-                                   int add_direct, VkImageView storage_view, relume_error* error);
-
 /* ---- Frames ------------------------------------------------------------------------------------------- */
 
 typedef struct relume_frame_wishes {
@@ -309,6 +295,11 @@ typedef struct relume_irradiance_target {
   relume_buffer_range target; /* 16 bytes per gather row; usage TRANSFER_DST */
 } relume_irradiance_target;
 
+/* Of compute/relume_passes.h. */
+struct relume_lightmap;
+struct relume_materials;
+struct relume_screen_frame;
+
 typedef struct relume_frame {
   const relume_input_copy* copies;
   uint32_t copy_count;
@@ -317,9 +308,9 @@ typedef struct relume_frame {
   /* Written when their system is complete. */
   const relume_irradiance_target* irradiance;
   uint32_t irradiance_count;
-  relume_lightmap* const* lightmaps; /* their images are in layout GENERAL */
+  struct relume_lightmap* const* lightmaps; /* their images are in layout GENERAL */
   uint32_t lightmap_count;
-  /* Of compute/relume_colors.h; relume_note_change for what they change. Materials go first. */
+  /* In front of the solver, materials first; relume_note_change for what they change. */
   struct relume_materials* const* materials;
   uint32_t material_count;
   const struct relume_screen_frame* screens;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What is behind the handles of compute/relume.h and relume_colors.h.
+// What is behind the handles of compute/relume.h and relume_passes.h.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 #include "compute/lightmap_pass.h"
 #include "compute/material_pass.h"
 #include "compute/relume.h"
-#include "compute/relume_colors.h"
+#include "compute/relume_passes.h"
 #include "compute/screen_pass.h"
 
 struct relume_model {
@@ -29,6 +29,7 @@ struct relume_model {
 struct SystemLights {
   relume::DirectLight light;
   relume::LightSchedule schedule;
+  bool by_mask = false;
   bool uploaded = false;
 };
 

@@ -5,7 +5,7 @@
 #ifndef CONSUMER_DEVICE_H
 #define CONSUMER_DEVICE_H
 
-#include <compute/relume.h>
+#include <compute/relume_passes.h>
 #include <vulkan/vulkan.h>
 
 #define MAX_BUFFERS 512

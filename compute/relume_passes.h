@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Colours that change, for C99: the functions of compute/material_pass.h and screen_pass.h. Both write albedo
- * and exitance of the clusters of one system of a relume_solver, in the frames that name them
- * (relume_frame.materials, relume_frame.screens), and go before the solver.
+ * What goes into frames and comes out of them, for C99: the functions of compute/lightmap_pass.h,
+ * material_pass.h and screen_pass.h, whose headers say more. Each is of one system of a relume_solver and is
+ * recorded in the frames that name it. Materials and screens write albedo and exitance of clusters:
  *
  *   relume_materials_create, _bind        memory through the host's relume_allocate
  *   relume_record_upload                  until nothing is pending: all is as stored
@@ -12,14 +12,43 @@
  *
  * Errors, handles and threads as in compute/relume.h. What is _destroyed must not be in use by a command
  * buffer that runs, and goes before its system is unloaded. */
-#ifndef RELUME_COLORS_H
-#define RELUME_COLORS_H
+#ifndef RELUME_PASSES_H
+#define RELUME_PASSES_H
 
 #include "compute/relume.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* ---- Lightmaps ---------------------------------------------------------------------------------------- */
+
+typedef struct relume_lightmap relume_lightmap;
+
+typedef enum relume_lightmap_format {
+  RELUME_RGBA16F = 0,
+  RELUME_R11G11B10F = 1,
+  RELUME_RGB9E5 = 2
+} relume_lightmap_format;
+
+/* What the host's image is made with, at least: 2D, optimal tiling, one layer, one sample. */
+typedef struct relume_lightmap_image {
+  VkFormat format;
+  VkFormat storage_view_format; /* of the view that relume_lightmap_bind gets */
+  VkExtent2D extent;
+  VkImageUsageFlags usage;
+  VkImageCreateFlags flags;
+} relume_lightmap_image;
+
+/* Of a loaded system. To be destroyed before the solver, when no command buffer uses it. */
+relume_status relume_lightmap_create(relume_solver* solver, uint32_t system, relume_lightmap_format format,
+                                     relume_lightmap** lightmap, relume_lightmap_image* image,
+                                     relume_error* error);
+void relume_lightmap_destroy(relume_lightmap* lightmap);
+
+/* Once, followed by relume_record_upload. `add_direct` not 0: with the light of relume_add_lights. */
+relume_status relume_lightmap_bind(relume_lightmap* lightmap, relume_allocate allocate, void* user,
+                                   int add_direct, VkImageView storage_view, relume_error* error);
 
 /* ---- Materials ---------------------------------------------------------------------------------------- */
 
