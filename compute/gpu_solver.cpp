@@ -154,7 +154,7 @@ FramePlan GpuSolver::plan(const Schedule& schedule, const PassWishes& wishes) co
 }
 
 UploadData GpuSolver::model_data(const Model& model) const {
-  UploadData data = sky_tree_upload(model);
+  UploadData data = sky_upload(model);
   data.targets = state_->ranges;
   return data;
 }

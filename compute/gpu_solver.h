@@ -194,7 +194,7 @@ class GpuSolver {
   FramePlan plan(const Schedule& schedule, const FrameWishes& wishes) const;
   FramePlan plan(const Schedule& schedule, const PassWishes& wishes) const;
 
-  /// What belongs to no system.
+  /// What belongs to no system; the sky is black.
   UploadData model_data(const Model& model) const;
 
   /// Matrices, tables, and the lighting that is stored; no direct light. Refers to `model`, which must be the

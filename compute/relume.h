@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Relume for C99 and for languages that call C: the functions of compute/gpu_solver.h, direct_light.h and
- * lightmap_pass.h, whose headers say what begins and ends with which stage and access, what is left bound,
- * and who may call what from which thread. Here one solver holds a model's systems, its schedule and its
- * lights.
+ * Relume for C99 and for languages that call C: the functions of compute/gpu_solver.h, schedule.h,
+ * direct_light.h and cost_model.h, whose headers say what begins and ends with which stage and access, what
+ * is left bound, and who may call what from which thread. Here one solver holds a model's systems, its
+ * schedule and its lights. Lightmaps, live materials and screens are in compute/relume_passes.h.
  *
  *   relume_model_read                     a .relume file
  *   relume_device_requirements            before the host makes its device
@@ -53,6 +53,9 @@ typedef struct relume_error {
 typedef struct relume_model relume_model;
 
 relume_status relume_model_read(const char* file, relume_model** model, relume_error* error);
+/* These systems alone; the others keep their numbers, cannot be loaded and are black. */
+relume_status relume_model_read_systems(const char* file, const char* const* names, uint32_t count,
+                                        relume_model** model, relume_error* error);
 void relume_model_destroy(relume_model* model);
 
 uint32_t relume_model_system_count(const relume_model* model);
@@ -62,6 +65,14 @@ uint32_t relume_model_cluster_count(const relume_model* model, uint32_t system);
 /* Lumels, then sensors. */
 uint32_t relume_model_gather_row_count(const relume_model* model, uint32_t system);
 uint32_t relume_model_sky_patch_count(const relume_model* model);
+/* What RELUME_SKY wants, four floats per patch: pi x the mean of an equirectangular image over each patch.
+ * Three floats a pixel, cd/m2; row 0 is +Y, the centre column -Z, +X to the right of it; neither side is 0.
+ * An image of 1 x 1 is the same radiance from everywhere. */
+relume_status relume_model_sky(const relume_model* model, const float* image, uint32_t width, uint32_t height,
+                               float* patches, relume_error* error);
+uint32_t relume_model_material_count(const relume_model* model);
+/* As long as the model. A material is a number below relume_model_material_count. */
+const char* relume_model_material_name(const relume_model* model, uint32_t material);
 
 /* ---- The host's device -------------------------------------------------------------------------------- */
 
@@ -117,10 +128,34 @@ typedef struct relume_staging {
 
 typedef struct relume_solver relume_solver;
 
-/* `largest_radiosity`: no surface or sky patch will have more, in lm/m2, whatever the lights do. The model
- * must outlive the solver. Fails when the device does not meet relume_device_requirements. */
+/* How the rows of a matrix are spread over invocations: a choice of speed, all give the same bits. */
+typedef enum relume_row_kernel {
+  RELUME_KERNEL_DEFAULT = 0,
+  RELUME_ROW_PER_THREAD = 1,
+  RELUME_ROW_PER_8_LANES = 2,
+  RELUME_TILE_SHARED = 3,
+  RELUME_TILE_SHUFFLE = 4 /* by subgroups; refused by a device that cannot */
+} relume_row_kernel;
+
+typedef enum relume_fetch {
+  RELUME_FETCH_DEFAULT = 0, /* texels, where they fit */
+  RELUME_FETCH_STORAGE = 1,
+  RELUME_FETCH_TEXELS = 2
+} relume_fetch;
+
+typedef struct relume_solver_options {
+  relume_row_kernel kernel;
+  relume_fetch fetch;
+  uint64_t max_dispatch_form_factors; /* 0: 4 million */
+  uint32_t sender_capacity;           /* see SolverOptions; 0: room for all loaded systems of the model */
+} relume_solver_options;
+
+/* `options` may be null. `largest_radiosity`: no surface or sky patch will have more, in lm/m2, whatever the
+ * lights do. The model must outlive the solver. Fails when the device does not meet
+ * relume_device_requirements. */
 relume_status relume_solver_create(const relume_host* host, const relume_model* model,
-                                   double largest_radiosity, relume_solver** solver, relume_error* error);
+                                   const relume_solver_options* options, double largest_radiosity,
+                                   relume_solver** solver, relume_error* error);
 /* No command buffer of it may be running. */
 void relume_solver_destroy(relume_solver* solver);
 
@@ -128,21 +163,39 @@ void relume_solver_destroy(relume_solver* solver);
 relume_status relume_solver_bind(relume_solver* solver, relume_allocate allocate, void* user,
                                  relume_error* error);
 
+/* For systems that come and go: from now on relume_load_system, and what is made for systems, reads `model`,
+ * which is of the same file (relume_model_read_systems) and lives as long as what is loaded of it. */
+void relume_use_model(relume_solver* solver, const relume_model* model);
+
 /* `max_albedo`: no cluster will have more, below 1; 0: none will have more than is stored. Fails with
  * RELUME_USAGE when the system is loaded. Frames in flight do not matter. */
 relume_status relume_load_system(relume_solver* solver, uint32_t system, double max_albedo,
                                  relume_allocate allocate, void* user, relume_error* error);
 
+typedef struct relume_light_options {
+  uint32_t max_lights; /* 0: 16384 */
+  uint32_t max_pairs;  /* of a light and a block of surfaces: see DirectLightOptions. 0: for 64 far lights */
+  int by_mask;         /* not 0: nothing is traced, the host writes relume_light_mask */
+} relume_light_options;
+
 /* Direct light with shadows for a loaded system, traced on the device. Without it the host writes
- * RELUME_DIRECT itself. `max_lights` 0: 16384. The first call asks for "occluder tree", "occluder triangles"
+ * RELUME_DIRECT itself. `options` may be null. The first call asks for "occluder tree", "occluder triangles"
  * and "occluder opacity" too, which all systems share: they live as long as the solver. */
-relume_status relume_add_lights(relume_solver* solver, uint32_t system, uint32_t max_lights,
+relume_status relume_add_lights(relume_solver* solver, uint32_t system, const relume_light_options* options,
                                 relume_allocate allocate, void* user, relume_error* error);
+
+/* Of a system with by_mask: the share of the light that arrives, a float per light and cluster, clusters of
+ * one light side by side. After it was written: relume_retrace_lights, before the next plan. */
+relume_buffer_range relume_light_mask(const relume_solver* solver, uint32_t system);
+void relume_retrace_lights(relume_solver* solver, uint32_t system);
+
+/* For a host that learns of a lost device first: from now on all that can fails with RELUME_NO_DEVICE. */
+void relume_device_lost(relume_solver* solver);
 
 /* From the next plan on the system is black to others. */
 void relume_deactivate_system(relume_solver* solver, uint32_t system);
 /* The fences of all frames that were planned before relume_deactivate_system must have signalled. Its lights
- * go with it, its lightmaps must be gone. */
+ * go with it; its lightmaps, materials and screens must be gone. */
 void relume_unload_system(relume_solver* solver, uint32_t system);
 
 /* Copies of what was bound and loaded last, as much as the staging memory holds. `pending` becomes 0 when
@@ -178,6 +231,7 @@ typedef enum relume_quantity {
   RELUME_ALBEDO = 0,   /* per cluster of a system */
   RELUME_EXITANCE = 1, /* per cluster, lm/m2 */
   RELUME_DIRECT = 2,   /* H per cluster, lm/m2 */
+  RELUME_WEIGHTS = 3,  /* per cluster, above 0; only relume_residual reads it */
   RELUME_SKY = 4       /* per sky patch, pi x radiance; its system is relume_model_system_count */
 } relume_quantity;
 
@@ -199,35 +253,6 @@ relume_buffer_range relume_radiosity(const relume_solver* solver, uint32_t syste
 relume_buffer_range relume_irradiance(const relume_solver* solver, uint32_t system);
 /* Direct irradiance per gather row of a system with lights. */
 relume_buffer_range relume_direct_irradiance(const relume_solver* solver, uint32_t system);
-
-/* ---- Lightmaps ---------------------------------------------------------------------------------------- */
-
-typedef struct relume_lightmap relume_lightmap;
-
-typedef enum relume_lightmap_format {
-  RELUME_RGBA16F = 0,
-  RELUME_R11G11B10F = 1,
-  RELUME_RGB9E5 = 2
-} relume_lightmap_format;
-
-/* What the host's image is made with, at least: 2D, optimal tiling, one layer, one sample. */
-typedef struct relume_lightmap_image {
-  VkFormat format;
-  VkFormat storage_view_format; /* of the view that relume_lightmap_bind gets */
-  VkExtent2D extent;
-  VkImageUsageFlags usage;
-  VkImageCreateFlags flags;
-} relume_lightmap_image;
-
-/* Of a loaded system. To be destroyed before the solver, when no command buffer uses it. */
-relume_status relume_lightmap_create(relume_solver* solver, uint32_t system, relume_lightmap_format format,
-                                     relume_lightmap** lightmap, relume_lightmap_image* image,
-                                     relume_error* error);
-void relume_lightmap_destroy(relume_lightmap* lightmap);
-
-/* Once, followed by relume_record_upload. `add_direct` not 0: with the light of relume_add_lights. */
-relume_status relume_lightmap_bind(relume_lightmap* lightmap, relume_allocate allocate, void* user,
-                                   int add_direct, VkImageView storage_view, relume_error* error);
 
 /* ---- Frames ------------------------------------------------------------------------------------------- */
 
@@ -251,10 +276,29 @@ typedef struct relume_frame_report {
 relume_status relume_plan_frame(relume_solver* solver, const relume_frame_wishes* wishes,
                                 relume_frame_report* report, relume_error* error);
 
+/* Exactly this, by all active systems in step: for captures and bakes. */
+typedef struct relume_pass_wishes {
+  uint64_t max_form_factors; /* 0: no limit */
+  uint32_t bounces;
+  int restart;  /* first B = M + rho H */
+  int residual; /* what the last bounce changed, for relume_frame.residuals */
+  int gather;
+} relume_pass_wishes;
+
+/* Instead of relume_plan_frame. When the limit cuts the pass (pass_complete is 0), planning on with any
+ * wishes but a new limit continues it. */
+relume_status relume_plan_together(relume_solver* solver, const relume_pass_wishes* wishes,
+                                   relume_frame_report* report, relume_error* error);
+
 typedef struct relume_irradiance_target {
   uint32_t system;
   relume_buffer_range target; /* 16 bytes per gather row; usage TRANSFER_DST */
 } relume_irradiance_target;
+
+/* Of compute/relume_passes.h. */
+struct relume_lightmap;
+struct relume_materials;
+struct relume_screen_frame;
 
 typedef struct relume_frame {
   const relume_input_copy* copies;
@@ -264,16 +308,23 @@ typedef struct relume_frame {
   /* Written when their system is complete. */
   const relume_irradiance_target* irradiance;
   uint32_t irradiance_count;
-  relume_lightmap* const* lightmaps; /* their images are in layout GENERAL */
+  struct relume_lightmap* const* lightmaps; /* their images are in layout GENERAL */
   uint32_t lightmap_count;
+  /* In front of the solver, materials first; relume_note_change for what they change. */
+  struct relume_materials* const* materials;
+  uint32_t material_count;
+  const struct relume_screen_frame* screens;
+  uint32_t screen_count;
+  /* Gets the bytes for relume_read_residual, when it has a buffer (usage TRANSFER_DST). */
+  relume_buffer_range residuals;
 } relume_frame;
 
 /* Staging memory for the lights of one frame: of all systems, with room for at least one block each. More
  * memory traces more in one frame. */
 VkDeviceSize relume_light_staging_bytes(const relume_solver* solver);
 
-/* Records the plan. Begins with TRANSFER and COMPUTE_SHADER reads and writes, and ends with COMPUTE_SHADER
- * and TRANSFER writes. */
+/* Records the plan. What a dropped frame copied, its materials and screens go into the next again. Begins
+ * with TRANSFER and COMPUTE_SHADER reads and writes, and ends with COMPUTE_SHADER and TRANSFER writes. */
 relume_status relume_record_frame(relume_solver* solver, VkCommandBuffer commands, const relume_frame* frame,
                                   relume_error* error);
 
@@ -285,6 +336,39 @@ int relume_frame_publishes(const relume_solver* solver, uint32_t system);
 
 /* Not 0 while shadow rays are left for frames to come. */
 int relume_lights_pending(const relume_solver* solver);
+
+/* What the last bounce of a system changed, as maxima over its clusters, per channel; weighted: over its
+ * RELUME_WEIGHTS. */
+typedef struct relume_residual {
+  double weighted_change[3];
+  double change[3]; /* lm/m2 */
+  double weighted_radiosity[3];
+  double radiosity[3]; /* lm/m2 */
+} relume_residual;
+
+VkDeviceSize relume_residual_bytes(const relume_solver* solver);
+/* From the bytes of relume_frame.residuals. `system` is below relume_model_system_count. */
+relume_residual relume_read_residual(const void* bytes, uint32_t system);
+
+/* ---- Time --------------------------------------------------------------------------------------------- */
+
+/* A frame that the host measured, by timestamps around it. */
+typedef struct relume_frame_time {
+  uint64_t form_factors; /* relume_frame_report */
+  double seconds;
+} relume_frame_time;
+
+/* seconds = per_frame + per_form_factor x form factors */
+typedef struct relume_cost_model {
+  double per_frame;
+  double per_form_factor;
+} relume_cost_model;
+
+/* Least squares of relative errors, neither coefficient below 0. */
+relume_cost_model relume_fit_cost_model(const relume_frame_time* frames, uint32_t count);
+
+/* For max_form_factors: what fits into `seconds`. At least 1, which is the least that a frame can do. */
+uint64_t relume_form_factors_within(const relume_cost_model* model, double seconds);
 
 #ifdef __cplusplus
 }

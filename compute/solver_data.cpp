@@ -81,8 +81,9 @@ std::vector<std::byte> rgb_bytes(std::span<const Rgb> values) {
   return owned_bytes(converted);
 }
 
-UploadData sky_tree_upload(const Model& model) {
+UploadData sky_upload(const Model& model) {
   UploadData data;
+  data.add_owned(kRadiosity, 0, rgb_bytes(std::vector<Rgb>(model.sky_cells.size(), Rgb(0.0))));
   data.add_owned(kSkyNodes, 0, owned_bytes(node_records(model.sky_tree)));
   data.pieces.push_back({kSkyShares, 0, bytes_of(model.sky_tree.shares)});
   return data;

@@ -3,6 +3,7 @@
 #include <span>
 
 #include "compute/c_api/handles.h"
+#include "kernels/shared/records.h"
 
 using namespace relume;
 using c_api::from_c;
@@ -57,7 +58,8 @@ std::map<std::uint32_t, Staging> share_staging(const relume_solver& solver, cons
   return parts;
 }
 
-Result<void> plan_frame(relume_solver& solver, const relume_frame_wishes& wishes) {
+/// What goes before any plan.
+void settle_changes(relume_solver& solver) {
   if (solver.recorded) {
     // The last frame was dropped: what it traced is not there.
     for (const auto& [system, lights] : solver.system_lights) lights->schedule.retrace();
@@ -68,9 +70,61 @@ Result<void> plan_frame(relume_solver& solver, const relume_frame_wishes& wishes
   const double most = solver.schedule.largest_radiosity;
   for (const auto& [system, lights] : solver.system_lights)
     note_change(solver.solver.traits(), solver.schedule, system, lights->schedule.pending_change(most));
+}
+
+FramePlan plan_frame(const relume_solver& solver, const relume_frame_wishes& wishes) {
   FrameWishes wanted{.bounces = wishes.bounces, .display_step = wishes.display_step};
   if (wishes.max_form_factors > 0) wanted.max_form_factors = wishes.max_form_factors;
-  solver.plan = solver.solver.plan(solver.schedule, wanted);
+  return solver.solver.plan(solver.schedule, wanted);
+}
+
+FramePlan plan_together(const relume_solver& solver, const relume_pass_wishes& wishes) {
+  PassWishes wanted;
+  wanted.restart = wishes.restart != 0;
+  wanted.bounces = wishes.bounces;
+  wanted.residual = wishes.residual != 0;
+  wanted.gather = wishes.gather != 0;
+  if (wishes.max_form_factors > 0) wanted.max_form_factors = wishes.max_form_factors;
+  return solver.solver.plan(solver.schedule, wanted);
+}
+
+/// Takes the plan of either kind of wishes.
+template <class Plan, class Wishes>
+relume_status take_plan(relume_solver& solver, const Plan& plan, const Wishes& wishes,
+                        relume_frame_report* report, relume_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    settle_changes(solver);
+    solver.plan = plan(solver, wishes);
+    const FramePlan& made = *solver.plan;
+    if (report != nullptr)
+      *report = {made.cost, made.radiosity_error, made.output_error, made.skipped,
+                 made.pass_complete ? 1 : 0};
+    return {};
+  });
+}
+
+/// Fails when what a pass reads is not on the device.
+Result<void> check_uploaded(bool uploaded, const char* what, std::uint32_t system) {
+  if (uploaded) return {};
+  return fail(ErrorCode::usage, std::string("record_frame: the ") + what + " of system " +
+                                    std::to_string(system) +
+                                    " must be bound, and relume_record_upload must have finished");
+}
+
+Result<void> check_passes(const relume_frame& frame) {
+  for (const relume_lightmap* pass : std::span(frame.lightmaps, frame.lightmap_count)) {
+    if (auto there = check_uploaded(pass->uploaded, "lightmap", pass->system); !there) return there;
+  }
+  for (const relume_materials* pass : std::span(frame.materials, frame.material_count)) {
+    if (auto there = check_uploaded(pass->uploaded, "materials", pass->system); !there) return there;
+  }
+  for (const relume_screen_frame& shown : std::span(frame.screens, frame.screen_count)) {
+    const relume_screen& pass = *shown.screen;
+    if (auto there = check_uploaded(pass.uploaded, "screen", pass.system); !there) return there;
+    if (shown.image < pass.images) continue;
+    return fail(ErrorCode::usage, "record_frame: image " + std::to_string(shown.image) +
+                                      " of a screen that has " + std::to_string(pass.images));
+  }
   return {};
 }
 
@@ -86,7 +140,7 @@ Result<void> check_frame(const relume_solver& solver, const relume_frame& frame)
                                       " bytes of staging memory, found " +
                                       std::to_string(frame.staging.range.byte_size));
   }
-  return {};
+  return check_passes(frame);
 }
 
 Result<void> record_frame(relume_solver& solver, VkCommandBuffer commands, const relume_frame& frame) {
@@ -100,6 +154,12 @@ Result<void> record_frame(relume_solver& solver, VkCommandBuffer commands, const
   std::vector<LightmapOutput> lightmaps;
   for (const relume_lightmap* lightmap : std::span(frame.lightmaps, frame.lightmap_count))
     lightmaps.push_back({lightmap->system, &lightmap->pass});
+  std::vector<const MaterialPass*> materials;
+  for (const relume_materials* pass : std::span(frame.materials, frame.material_count))
+    materials.push_back(&pass->pass);
+  std::vector<ScreenFrame> screens;
+  for (const auto& [screen, image, factor] : std::span(frame.screens, frame.screen_count))
+    screens.push_back({&screen->pass, image, Rgb(factor[0], factor[1], factor[2])});
   const std::map<std::uint32_t, Staging> staging = share_staging(solver, from_c(frame.staging));
   const std::uint64_t rays = frame.max_rays > 0 ? frame.max_rays : ~std::uint64_t{0};
   const auto write_inputs = [&](VkCommandBuffer into, std::uint32_t system) {
@@ -109,8 +169,13 @@ Result<void> record_frame(relume_solver& solver, VkCommandBuffer commands, const
     lights.light.record(into, lights.schedule, part->second, rays);
   };
   auto recorded = solver.solver.record_frame(
-      commands, {.plan = &*solver.plan, .copies = copies, .write_inputs = write_inputs},
-      {.lightmaps = lightmaps, .irradiance = irradiance});
+      commands,
+      {.plan = &*solver.plan,
+       .copies = copies,
+       .materials = materials,
+       .screens = screens,
+       .write_inputs = write_inputs},
+      {.lightmaps = lightmaps, .irradiance = irradiance, .report = from_c(frame.residuals)});
   solver.recorded = recorded.has_value();
   return recorded;
 }
@@ -166,14 +231,12 @@ VkDeviceSize relume_light_staging_bytes(const relume_solver* solver) {
 
 relume_status relume_plan_frame(relume_solver* solver, const relume_frame_wishes* wishes,
                                 relume_frame_report* report, relume_error* error) {
-  return guarded(error, [&]() -> Result<void> {
-    if (auto planned = c_api::plan_frame(*solver, *wishes); !planned) return planned;
-    const FramePlan& plan = *solver->plan;
-    if (report != nullptr)
-      *report = {plan.cost, plan.radiosity_error, plan.output_error, plan.skipped,
-                 plan.pass_complete ? 1 : 0};
-    return {};
-  });
+  return c_api::take_plan(*solver, c_api::plan_frame, *wishes, report, error);
+}
+
+relume_status relume_plan_together(relume_solver* solver, const relume_pass_wishes* wishes,
+                                   relume_frame_report* report, relume_error* error) {
+  return c_api::take_plan(*solver, c_api::plan_together, *wishes, report, error);
 }
 
 relume_status relume_record_frame(relume_solver* solver, VkCommandBuffer commands, const relume_frame* frame,
@@ -197,4 +260,21 @@ int relume_lights_pending(const relume_solver* solver) {
     if (!lights->schedule.complete()) return 1;
   }
   return 0;
+}
+
+VkDeviceSize relume_residual_bytes(const relume_solver* solver) {
+  return solver->model->systems.size() * sizeof(kernels::ResidualRecord);
+}
+
+relume_residual relume_read_residual(const void* bytes, uint32_t system) {
+  const std::byte* at = static_cast<const std::byte*>(bytes) + system * sizeof(kernels::ResidualRecord);
+  const Residual residual = read_residuals(std::span(at, sizeof(kernels::ResidualRecord)))[0];
+  relume_residual out{};
+  for (int c = 0; c < 3; ++c) {
+    out.weighted_change[c] = residual.weighted_change[c];
+    out.change[c] = residual.change[c];
+    out.weighted_radiosity[c] = residual.weighted_radiosity[c];
+    out.radiosity[c] = residual.radiosity[c];
+  }
+  return out;
 }

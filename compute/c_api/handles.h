@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What is behind the handles of compute/relume.h.
+// What is behind the handles of compute/relume.h and relume_passes.h.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,10 @@
 #include "compute/direct_light.h"
 #include "compute/gpu_solver.h"
 #include "compute/lightmap_pass.h"
+#include "compute/material_pass.h"
 #include "compute/relume.h"
+#include "compute/relume_passes.h"
+#include "compute/screen_pass.h"
 
 struct relume_model {
   relume::Model model;
@@ -26,6 +29,7 @@ struct relume_model {
 struct SystemLights {
   relume::DirectLight light;
   relume::LightSchedule schedule;
+  bool by_mask = false;
   bool uploaded = false;
 };
 
@@ -34,6 +38,7 @@ struct PendingUpload {
   relume::UploadData data;
   std::uint32_t system = relume::kNone;  ///< that it is for
   std::function<void()> then{};
+  const void* pass = nullptr;  ///< lightmap, materials or screen that it is for
   relume::UploadCursor cursor{};
 };
 
@@ -58,6 +63,27 @@ struct relume_lightmap {
   std::uint32_t system;
   relume::LightmapTexels texels;
   relume::LightmapPass pass;
+  bool uploaded = false;
+};
+
+struct relume_materials {
+  relume_solver* solver;
+  std::uint32_t system;
+  relume::StatePer per;
+  relume::MaterialPass pass;
+  relume::BufferRange states{};  ///< of the states, once bound
+  bool uploaded = false;
+};
+
+struct relume_screen {
+  relume_solver* solver;
+  std::uint32_t system;
+  relume::TextureFootprint footprint;
+  std::uint32_t max_images;
+  relume::ScreenPass pass;
+  std::uint32_t images = 0;
+  bool bound = false;
+  bool uploaded = false;
 };
 
 namespace relume::c_api {
@@ -108,5 +134,23 @@ Result<std::vector<BufferRange>> allocate_all(std::span<const BufferRequirement>
 
 /// Fails when there is no such system.
 Result<void> check_loaded(const relume_solver& solver, std::uint32_t system);
+
+/// Where the colours of a loaded system's clusters are.
+ClusterColorRanges color_ranges(const relume_solver& solver, std::uint32_t system);
+
+/// The bytes of a pass, on their way to what it was bound to; then it may be recorded.
+template <class Pass>
+void upload_pass(Pass& pass, UploadData data, std::vector<BufferRange> ranges) {
+  data.targets = std::move(ranges);
+  pass.solver->uploads.push_back({std::move(data), pass.system, [&pass] { pass.uploaded = true; }, &pass});
+}
+
+/// What is left of it to upload is forgotten.
+template <class Pass>
+void destroy_pass(Pass* pass) {
+  if (pass == nullptr) return;
+  std::erase_if(pass->solver->uploads, [pass](const PendingUpload& upload) { return upload.pass == pass; });
+  delete pass;
+}
 
 }  // namespace relume::c_api

@@ -23,7 +23,7 @@ relume_status relume_lightmap_create(relume_solver* solver, uint32_t system, rel
 }
 
 void relume_lightmap_destroy(relume_lightmap* lightmap) {
-  delete lightmap;
+  c_api::destroy_pass(lightmap);
 }
 
 relume_status relume_lightmap_bind(relume_lightmap* lightmap, relume_allocate allocate, void* user,
@@ -40,9 +40,7 @@ relume_status relume_lightmap_bind(relume_lightmap* lightmap, relume_allocate al
     auto ranges = c_api::allocate_all(lightmap->pass.buffers(), c_api::allocator(allocate, user));
     if (!ranges) return tl::unexpected<Error>(ranges.error());
     if (auto bound = lightmap->pass.bind(*ranges, inputs, storage_view); !bound) return bound;
-    UploadData data = lightmap_data(lightmap->texels);
-    data.targets = std::move(*ranges);
-    solver.uploads.push_back({std::move(data), lightmap->system});
+    c_api::upload_pass(*lightmap, lightmap_data(lightmap->texels), std::move(*ranges));
     return {};
   });
 }

@@ -2,6 +2,7 @@
 #include "compute/c_api/handles.h"
 #include "compute/device_requirements.h"
 #include "core/model_file.h"
+#include "core/sky.h"
 
 using namespace relume;
 using c_api::guarded;
@@ -10,6 +11,17 @@ relume_status relume_model_read(const char* file, relume_model** model, relume_e
   *model = nullptr;
   return guarded(error, [&]() -> Result<void> {
     auto read = read_model(file);
+    if (!read) return tl::unexpected<Error>(read.error());
+    *model = new relume_model{std::move(*read)};
+    return {};
+  });
+}
+
+relume_status relume_model_read_systems(const char* file, const char* const* names, uint32_t count,
+                                        relume_model** model, relume_error* error) {
+  *model = nullptr;
+  return guarded(error, [&]() -> Result<void> {
+    auto read = read_systems(file, std::vector<std::string>(names, names + count));
     if (!read) return tl::unexpected<Error>(read.error());
     *model = new relume_model{std::move(*read)};
     return {};
@@ -39,6 +51,30 @@ uint32_t relume_model_gather_row_count(const relume_model* model, uint32_t syste
 
 uint32_t relume_model_sky_patch_count(const relume_model* model) {
   return static_cast<uint32_t>(model->model.sky_cells.size());
+}
+
+relume_status relume_model_sky(const relume_model* model, const float* image, uint32_t width, uint32_t height,
+                               float* patches, relume_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (width == 0 || height == 0) return fail(ErrorCode::usage, "a sky image without pixels");
+    EquirectangularSky sky{width, height, {}};
+    for (std::size_t i = 0; i < std::size_t{width} * height; ++i)
+      sky.radiance.emplace_back(image[3 * i], image[3 * i + 1], image[3 * i + 2]);
+    const Model& of = model->model;
+    for (const Rgb& patch : sky_radiosity(sky, of.sky_cells, of.sky_resolution)) {
+      for (int c = 0; c < 3; ++c) *patches++ = static_cast<float>(patch[c]);
+      *patches++ = 0.0f;
+    }
+    return {};
+  });
+}
+
+uint32_t relume_model_material_count(const relume_model* model) {
+  return static_cast<uint32_t>(model->model.materials.size());
+}
+
+const char* relume_model_material_name(const relume_model* model, uint32_t material) {
+  return model->model.materials[material].name.c_str();
 }
 
 relume_status relume_device_requirements(PFN_vkGetInstanceProcAddr get_instance_proc_addr,

@@ -44,6 +44,18 @@ HostDevice host_from_c(const relume_host& host) {
           host.pipeline_cache, host.allocation_callbacks};
 }
 
+SolverOptions options_from_c(const relume_solver_options& options) {
+  SolverOptions out;
+  if (options.kernel != RELUME_KERNEL_DEFAULT)
+    out.kernel = static_cast<RowKernel>(options.kernel - RELUME_ROW_PER_THREAD);
+  if (options.fetch != RELUME_FETCH_DEFAULT)
+    out.fetch = static_cast<MatrixFetch>(options.fetch - RELUME_FETCH_STORAGE);
+  if (options.max_dispatch_form_factors > 0)
+    out.max_dispatch_form_factors = options.max_dispatch_form_factors;
+  out.sender_capacity = options.sender_capacity;
+  return out;
+}
+
 /// Buffers of the lights; those of the occluders are shared with the first.
 Result<std::vector<BufferRange>> light_ranges(relume_solver& solver, const DirectLight& light,
                                               std::uint32_t system, const BufferAllocator& allocate) {
@@ -60,14 +72,21 @@ Result<std::vector<BufferRange>> light_ranges(relume_solver& solver, const Direc
   return ranges;
 }
 
-Result<void> add_lights(relume_solver& solver, std::uint32_t system, std::uint32_t max_lights,
+DirectLightOptions light_options(std::uint32_t system, const relume_light_options* wanted) {
+  DirectLightOptions options;
+  options.systems = {system};
+  if (wanted == nullptr) return options;
+  if (wanted->max_lights > 0) options.max_lights = wanted->max_lights;
+  options.max_pairs = wanted->max_pairs;
+  if (wanted->by_mask != 0) options.visibility = LightVisibility::mask;
+  return options;
+}
+
+Result<void> add_lights(relume_solver& solver, std::uint32_t system, const DirectLightOptions& options,
                         const BufferAllocator& allocate) {
   if (auto loaded = check_loaded(solver, system); !loaded) return loaded;
   if (solver.system_lights.count(system) > 0)
     return fail(ErrorCode::usage, "system " + std::to_string(system) + " has lights already");
-  DirectLightOptions options;
-  options.systems = {system};
-  if (max_lights > 0) options.max_lights = max_lights;
   auto light = DirectLight::create(solver.host, *solver.model, options);
   if (!light) return tl::unexpected<Error>(light.error());
   auto ranges = light_ranges(solver, *light, system, allocate);
@@ -79,7 +98,8 @@ Result<void> add_lights(relume_solver& solver, std::uint32_t system, std::uint32
   UploadData data = light->model_data(*solver.model, first);
   data.targets = *ranges;
   if (first) solver.occluders.assign(ranges->begin(), ranges->begin() + kLightPieces);
-  auto lights = std::make_unique<SystemLights>(SystemLights{std::move(*light), std::move(schedule)});
+  auto lights = std::make_unique<SystemLights>(
+      SystemLights{std::move(*light), std::move(schedule), options.visibility == LightVisibility::mask});
   SystemLights* at = lights.get();
   solver.system_lights.emplace(system, std::move(lights));
   solver.uploads.push_back({std::move(data), system, [at] { at->uploaded = true; }});
@@ -104,11 +124,13 @@ Result<void> load(relume_solver& solver, std::uint32_t system, double max_albedo
 }  // namespace relume::c_api
 
 relume_status relume_solver_create(const relume_host* host, const relume_model* model,
-                                   double largest_radiosity, relume_solver** solver, relume_error* error) {
+                                   const relume_solver_options* options, double largest_radiosity,
+                                   relume_solver** solver, relume_error* error) {
   *solver = nullptr;
   return guarded(error, [&]() -> Result<void> {
     const HostDevice device = c_api::host_from_c(*host);
-    auto made = GpuSolver::create(device, model->model, {});
+    auto made = GpuSolver::create(device, model->model,
+                                  options != nullptr ? c_api::options_from_c(*options) : SolverOptions{});
     if (!made) return tl::unexpected<Error>(made.error());
     *solver = new relume_solver{device, &model->model, std::move(*made),
                                 make_schedule(model->model.systems.size(), largest_radiosity)};
@@ -135,11 +157,31 @@ relume_status relume_load_system(relume_solver* solver, uint32_t system, double 
                  [&] { return c_api::load(*solver, system, max_albedo, c_api::allocator(allocate, user)); });
 }
 
-relume_status relume_add_lights(relume_solver* solver, uint32_t system, uint32_t max_lights,
+relume_status relume_add_lights(relume_solver* solver, uint32_t system, const relume_light_options* options,
                                 relume_allocate allocate, void* user, relume_error* error) {
   return guarded(error, [&] {
-    return c_api::add_lights(*solver, system, max_lights, c_api::allocator(allocate, user));
+    return c_api::add_lights(*solver, system, c_api::light_options(system, options),
+                             c_api::allocator(allocate, user));
   });
+}
+
+relume_buffer_range relume_light_mask(const relume_solver* solver, uint32_t system) {
+  const auto lights = solver->system_lights.find(system);
+  if (lights == solver->system_lights.end() || !lights->second->by_mask) return {};
+  return c_api::to_c(lights->second->light.buffer(kLightMask));
+}
+
+void relume_retrace_lights(relume_solver* solver, uint32_t system) {
+  const auto lights = solver->system_lights.find(system);
+  if (lights != solver->system_lights.end()) lights->second->schedule.retrace();
+}
+
+void relume_use_model(relume_solver* solver, const relume_model* model) {
+  solver->model = &model->model;
+}
+
+void relume_device_lost(relume_solver* solver) {
+  solver->solver.latch({ErrorCode::no_device, "the device was lost"});
 }
 
 void relume_deactivate_system(relume_solver* solver, uint32_t system) {

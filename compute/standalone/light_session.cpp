@@ -28,7 +28,6 @@ Result<std::vector<Rgb>> read_rgb(StandaloneDevice& device, const BufferRange& r
 
 Result<void> add_rgb(const Result<std::vector<Rgb>>& values, std::vector<Rgb>& sum) {
   if (!values) return failed(values.error());
-  sum.resize(values->size(), Rgb(0.0));
   for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += (*values)[i];
   return {};
 }
@@ -43,6 +42,52 @@ std::size_t lights_that_fit(const LightSchedule& schedule, std::span<const Light
     ++count;
   }
   return count;
+}
+
+/// Loaded systems one after another, as many together as have `max_elements`, but at least one.
+std::vector<std::vector<std::uint32_t>> system_groups(const Model& model, std::size_t max_elements) {
+  std::vector<std::vector<std::uint32_t>> groups;
+  std::size_t elements = 0;
+  for (std::uint32_t s = 0; s < model.systems.size(); ++s) {
+    const System& system = model.systems[s];
+    if (!system.loaded) continue;
+    elements += system.elements.size();
+    if (groups.empty() || elements > max_elements) {
+      groups.emplace_back();
+      elements = system.elements.size();
+    }
+    groups.back().push_back(s);
+  }
+  return groups;
+}
+
+DeviceDirectLight unlit(const Model& model, const std::vector<std::uint32_t>& systems) {
+  DeviceDirectLight zero;
+  for (const std::uint32_t s : systems) {
+    const System& system = model.systems[s];
+    zero.clusters.resize(zero.clusters.size() + system.clusters.size(), Rgb(0.0));
+    zero.gather.resize(zero.gather.size() + system.lumels.size() + system.sensors.size(), Rgb(0.0));
+  }
+  return zero;
+}
+
+/// Adds what the lights give these systems to `sum`.
+Result<void> light_group(StandaloneDevice& device, const Model& model,
+                         const std::vector<std::uint32_t>& systems, std::span<const Light> lights,
+                         DeviceDirectLight& sum) {
+  if (lights.empty()) return {};
+  LightSessionOptions options;
+  options.light.systems = systems;
+  auto session = LightSession::create(device, model, options);
+  if (!session) return failed(session.error());
+  while (!lights.empty()) {
+    const std::size_t batch = lights_that_fit(session->schedule(), lights);
+    if (auto lit = session->set_lights(lights.first(batch)); !lit) return failed(lit.error());
+    if (auto added = add_rgb(session->read_clusters(), sum.clusters); !added) return added;
+    if (auto added = add_rgb(session->read_gather(), sum.gather); !added) return added;
+    lights = lights.subspan(batch);
+  }
+  return {};
 }
 
 }  // namespace
@@ -156,18 +201,15 @@ Result<std::vector<float>> LightSession::trace(std::span<const LightSegment> seg
 }
 
 Result<DeviceDirectLight> direct_light_on_device(StandaloneDevice& device, const Model& model,
-                                                 std::span<const Light> lights) {
-  auto session = LightSession::create(device, model);
-  if (!session) return failed(session.error());
-  DeviceDirectLight sum;
-  do {
-    const std::size_t batch = lights_that_fit(session->schedule(), lights);
-    if (auto lit = session->set_lights(lights.first(batch)); !lit) return failed(lit.error());
-    if (auto added = add_rgb(session->read_clusters(), sum.clusters); !added) return failed(added.error());
-    if (auto added = add_rgb(session->read_gather(), sum.gather); !added) return failed(added.error());
-    lights = lights.subspan(batch);
-  } while (!lights.empty());
-  return sum;
+                                                 std::span<const Light> lights, const DirectLightRun& run) {
+  DeviceDirectLight all;
+  for (const std::vector<std::uint32_t>& systems : system_groups(model, run.max_elements)) {
+    DeviceDirectLight sum = unlit(model, systems);
+    if (auto lit = light_group(device, model, systems, lights, sum); !lit) return failed(lit.error());
+    all.clusters.insert(all.clusters.end(), sum.clusters.begin(), sum.clusters.end());
+    all.gather.insert(all.gather.end(), sum.gather.begin(), sum.gather.end());
+  }
+  return all;
 }
 
 }  // namespace relume

@@ -86,9 +86,16 @@ struct DeviceDirectLight {
   std::vector<Rgb> gather;    ///< per gather row (lumels, sensors)
 };
 
-/// direct_irradiance() of the precompute, on a device: of any number of lights, in batches. All systems are
-/// loaded.
+struct DirectLightRun {
+  /// Systems are done together up to so many surface elements, so that their buffers stay small.
+  std::size_t max_elements = std::size_t{1} << 18;
+};
+
+/// direct_irradiance() of the precompute, on a device: of any number of lights, in batches. All systems that
+/// are loaded. Fails with no_device when the occluders, or the elements of one system, are more than the
+/// device can bind.
 Result<DeviceDirectLight> direct_light_on_device(StandaloneDevice& device, const Model& model,
-                                                 std::span<const Light> lights);
+                                                 std::span<const Light> lights,
+                                                 const DirectLightRun& run = {});
 
 }  // namespace relume

@@ -9,6 +9,7 @@
 #include "core/compare.h"
 #include "core/model_file.h"
 #include "core/reference_solver.h"
+#include "tool/direct_light.h"
 
 namespace relume {
 namespace {
@@ -114,10 +115,10 @@ Result<int> run(const CompareArguments& arguments, Console& console) {
   if (!gpu) return tl::unexpected(gpu.error());
 
   const std::vector<Comparison> outputs = compare_outputs(*model, *gpu, *reference);
-  const Result<std::vector<Rgb>> direct =
+  const Result<DirectIrradiance> direct =
       direct_by_vulkan(*model, setup->lights, arguments.solver.device_name);
   if (!direct) return tl::unexpected(direct.error());
-  const double direct_error = mean_error(*direct, setup->lighting.direct);
+  const double direct_error = mean_error(direct->clusters, setup->lighting.direct);
   const bool direct_passed = direct_error <= kDirectTolerance;
   const bool passed =
       direct_passed && std::all_of(outputs.begin(), outputs.end(), [&](const Comparison& output) {

@@ -7,7 +7,6 @@
 #include <charconv>
 #include <glm/common.hpp>
 
-#include "precompute/direct_irradiance.h"
 #include "scene/load_scene.h"
 #include "scene/surface_color.h"
 #include "tool/interrupt.h"
@@ -20,10 +19,11 @@ namespace {
 
 class Setup {
  public:
-  Setup(const Model& model, const LightingOptions& options, Console& console)
+  Setup(const Model& model, const LightingOptions& options, Console& console, const DirectLightSource& direct)
       : model_(model),
         options_(options),
         console_(console),
+        direct_(direct),
         max_albedo_(options.max_albedo.value_or(model.max_albedo)) {}
 
   Result<LightingSetup> build() {
@@ -129,7 +129,8 @@ class Setup {
   }
 
   Result<LightingSetup> finish() {
-    Result<DirectIrradiance> direct = direct_irradiance(model_, setup_.lights);
+    Result<DirectIrradiance> direct =
+        direct_ ? direct_(model_, setup_.lights) : direct_irradiance(model_, setup_.lights);
     if (!direct) return tl::unexpected(direct.error());
     setup_.lighting.direct = std::move(direct->clusters);
     setup_.gather_direct = std::move(direct->gather);
@@ -142,6 +143,7 @@ class Setup {
   const Model& model_;
   const LightingOptions& options_;
   Console& console_;
+  const DirectLightSource& direct_;
   double max_albedo_;
   bool replaced_lights_ = false;
   LightingSetup setup_;
@@ -163,8 +165,9 @@ std::optional<Rgb> parse_triple(const std::string& text) {
   return triple;
 }
 
-Result<LightingSetup> set_up_lighting(const Model& model, const LightingOptions& options, Console& console) {
-  return Setup(model, options, console).build();
+Result<LightingSetup> set_up_lighting(const Model& model, const LightingOptions& options, Console& console,
+                                      const DirectLightSource& direct) {
+  return Setup(model, options, console, direct).build();
 }
 
 }  // namespace relume

@@ -4,13 +4,16 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "core/model.h"
 #include "core/sky.h"
 #include "core/solve.h"
+#include "precompute/direct_irradiance.h"
 #include "scene/scene.h"
 #include "tool/console.h"
 
@@ -36,11 +39,16 @@ struct LightingSetup {
   double max_albedo = 1.0;
 };
 
+/// Who computes direct irradiance with shadows.
+using DirectLightSource = std::function<Result<DirectIrradiance>(const Model&, std::span<const Light>)>;
+
 /// Parses "R,G,B"; nothing when the text is anything else.
 std::optional<Rgb> parse_triple(const std::string& text);
 
 /// Stored colours and lights, replaced step by step by --scene, --lights, --materials, --sky; then direct
-/// irradiance with shadows. The stated rig shines only while nothing else does. Warnings go to `console`.
-Result<LightingSetup> set_up_lighting(const Model& model, const LightingOptions& options, Console& console);
+/// irradiance with shadows, by `direct` (empty: the processor). The stated rig shines only while nothing else
+/// does. Warnings go to `console`.
+Result<LightingSetup> set_up_lighting(const Model& model, const LightingOptions& options, Console& console,
+                                      const DirectLightSource& direct = {});
 
 }  // namespace relume

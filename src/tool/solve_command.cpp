@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "core/model_file.h"
+#include "tool/direct_light.h"
 #include "tool/missing_systems.h"
 #include "tool/solve_outputs.h"
 #include "tool/stopwatch.h"
@@ -35,8 +36,9 @@ JsonValue scene_json(const std::optional<ScenePrediction>& scene) {
       {"bounces_needed", scene->bounces}};
 }
 
-JsonObject result_json(const LightingSetup& setup, const SolveOutcome& outcome, JsonObject seconds,
-                       const std::optional<MissingSystems>& missing, const OutputFolder& folder) {
+JsonObject result_json(const LightingSetup& setup, const std::string& direct_by, const SolveOutcome& outcome,
+                       JsonObject seconds, const std::optional<MissingSystems>& missing,
+                       const OutputFolder& folder) {
   const Solution& solution = outcome.solution;
   return {{"device", outcome.device},
           {"method", method_names()[std::size_t(outcome.method)]},
@@ -48,6 +50,7 @@ JsonObject result_json(const LightingSetup& setup, const SolveOutcome& outcome, 
           {"relative_residual", solution.relative_residual},
           {"error_bound", solution.error_bound},
           {"rounding_bound", outcome.rounding_bound},
+          {"direct_light", direct_by},
           {"lit_by_rig", setup.lit_by_rig},
           {"missing_systems", missing_json(missing)},
           {"seconds", std::move(seconds)},
@@ -63,7 +66,11 @@ Result<int> run(const SolveArguments& arguments, Console& console) {
                                                         : read_systems(arguments.file, arguments.systems);
   if (!model) return tl::unexpected(model.error());
   const double read_seconds = watch.lap();
-  const Result<LightingSetup> setup = set_up_lighting(*model, arguments.lighting, console);
+  std::string direct_by = kProcessor;
+  DirectLightSource direct;
+  if (!arguments.solver.reference)
+    direct = direct_light_of_device(arguments.solver.device_name, console, direct_by);
+  const Result<LightingSetup> setup = set_up_lighting(*model, arguments.lighting, console, direct);
   if (!setup) return tl::unexpected(setup.error());
   const double lighting_seconds = watch.lap();
   const Result<SolveOutcome> outcome =
@@ -91,7 +98,7 @@ Result<int> run(const SolveArguments& arguments, Console& console) {
   const double total_seconds = total.lap();
   seconds.emplace_back("total", total_seconds);
   say_result(arguments, *outcome, folder, total_seconds, console);
-  console.finish(result_json(*setup, *outcome, std::move(seconds), *missing, folder));
+  console.finish(result_json(*setup, direct_by, *outcome, std::move(seconds), *missing, folder));
   return 0;
 }
 

@@ -5,7 +5,6 @@
 
 #include <cmath>
 
-#include "compute/standalone/light_session.h"
 #include "compute/standalone/solve_on_device.h"
 #include "compute/standalone/standalone_device.h"
 #include "core/methods/room_correction.h"
@@ -123,15 +122,6 @@ const std::vector<std::string>& kernel_names() {
     return all;
   }();
   return names;
-}
-
-Result<std::vector<Rgb>> direct_by_vulkan(const Model& model, const std::vector<Light>& lights,
-                                          const std::string& device_name) {
-  Result<StandaloneDevice> device = StandaloneDevice::create({.device_name = device_name});
-  if (!device) return tl::unexpected(device.error());
-  Result<DeviceDirectLight> direct = direct_light_on_device(*device, model, lights);
-  if (!direct) return tl::unexpected(direct.error());
-  return std::move(direct->clusters);
 }
 
 Result<SolveOutcome> solve(const Model& model, const Lighting& lighting, const StopRule& rule,

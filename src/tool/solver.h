@@ -36,10 +36,6 @@ struct SolveOutcome {
 /// What `--kernel` may name.
 const std::vector<std::string>& kernel_names();
 
-/// Irradiance from punctual lights of all clusters by the Vulkan device, lux; no_device when there is none.
-Result<std::vector<Rgb>> direct_by_vulkan(const Model& model, const std::vector<Light>& lights,
-                                          const std::string& device_name);
-
 /// The radiosity, then the gather. The Vulkan device knows plain bounces: another method is an error (usage).
 /// There is no way back to the reference when no device is found: that is an error (no_device).
 Result<SolveOutcome> solve(const Model& model, const Lighting& lighting, const StopRule& rule,

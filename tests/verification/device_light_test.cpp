@@ -228,6 +228,15 @@ TEST_F(DeviceLight, SystemsOneByOneGiveTheBitsOfAll) {
   }
   EXPECT_EQ(found.clusters, expected.clusters);
   EXPECT_EQ(found.gather, expected.gather);
+
+  const auto in_turn = direct_light_on_device(device(), model, lights, {.max_elements = 1});
+  ASSERT_TRUE(in_turn) << in_turn.error().message;
+  EXPECT_EQ(in_turn->clusters, expected.clusters);
+  EXPECT_EQ(in_turn->gather, expected.gather);
+  const auto dark = direct_light_on_device(device(), model, {});
+  ASSERT_TRUE(dark) << dark.error().message;
+  EXPECT_EQ(dark->clusters, std::vector<Rgb>(expected.clusters.size(), Rgb(0.0)));
+  EXPECT_EQ(dark->gather, std::vector<Rgb>(expected.gather.size(), Rgb(0.0)));
 }
 
 TEST_F(DeviceLight, AMaskTakesTheShareThatTheHostSays) {

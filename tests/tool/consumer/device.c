@@ -66,6 +66,12 @@ int open_renderer(struct renderer* r, relume_error* error) {
 }
 
 void close_renderer(struct renderer* r) {
+  if (r->sampler != VK_NULL_HANDLE) vkDestroySampler(r->device, r->sampler, NULL);
+  for (uint32_t i = 0; i < r->image_count; ++i) {
+    vkDestroyImageView(r->device, r->images[i].view, NULL);
+    vkDestroyImage(r->device, r->images[i].image, NULL);
+    vkFreeMemory(r->device, r->images[i].memory, NULL);
+  }
   for (uint32_t i = 0; i < r->buffer_count; ++i) {
     vkDestroyBuffer(r->device, r->buffers[i].buffer, NULL);
     vkFreeMemory(r->device, r->buffers[i].memory, NULL);
@@ -148,4 +154,87 @@ int submit_commands(struct renderer* r) {
   submit.pCommandBuffers = &r->commands;
   if (vkQueueSubmit(r->queue, 1, &submit, VK_NULL_HANDLE) != VK_SUCCESS) return 1;
   return vkQueueWaitIdle(r->queue) == VK_SUCCESS ? 0 : 1;
+}
+
+static const VkImageSubresourceRange kWholeImage = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+
+static int create_image(struct renderer* r, const relume_lightmap_image* wanted, VkFormat view_format,
+                        struct image* made) {
+  VkImageCreateInfo info = {0};
+  info.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO;
+  info.flags = wanted->flags;
+  info.imageType = VK_IMAGE_TYPE_2D;
+  info.format = wanted->format;
+  info.extent.width = wanted->extent.width;
+  info.extent.height = wanted->extent.height;
+  info.extent.depth = 1;
+  info.mipLevels = info.arrayLayers = 1;
+  info.samples = VK_SAMPLE_COUNT_1_BIT;
+  info.usage = wanted->usage | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+  if (vkCreateImage(r->device, &info, NULL, &made->image) != VK_SUCCESS) return 1;
+  VkMemoryRequirements needed;
+  vkGetImageMemoryRequirements(r->device, made->image, &needed);
+  VkMemoryAllocateInfo memory = {0};
+  memory.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
+  memory.allocationSize = needed.size;
+  memory.memoryTypeIndex = memory_type(r, needed.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+  if (memory.memoryTypeIndex == UINT32_MAX) return 1;
+  if (vkAllocateMemory(r->device, &memory, NULL, &made->memory) != VK_SUCCESS) return 1;
+  if (vkBindImageMemory(r->device, made->image, made->memory, 0) != VK_SUCCESS) return 1;
+  VkImageViewCreateInfo view = {0};
+  view.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO;
+  view.image = made->image;
+  view.viewType = VK_IMAGE_VIEW_TYPE_2D;
+  view.format = view_format;
+  view.subresourceRange = kWholeImage;
+  return vkCreateImageView(r->device, &view, NULL, &made->view) == VK_SUCCESS ? 0 : 1;
+}
+
+static int fill_image(struct renderer* r, const struct image* image, float value) {
+  const VkClearColorValue color = {{value, value, value, value}};
+  VkImageMemoryBarrier barrier = {0};
+  barrier.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER;
+  barrier.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+  barrier.newLayout = VK_IMAGE_LAYOUT_GENERAL;
+  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+  barrier.image = image->image;
+  barrier.subresourceRange = kWholeImage;
+  VkCommandBuffer commands = begin_commands(r);
+  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0,
+                       NULL, 0, NULL, 1, &barrier);
+  vkCmdClearColorImage(commands, image->image, VK_IMAGE_LAYOUT_GENERAL, &color, 1, &kWholeImage);
+  return submit_commands(r);
+}
+
+const struct image* make_image(struct renderer* r, const relume_lightmap_image* wanted, VkFormat view_format,
+                               float value) {
+  if (r->image_count == MAX_IMAGES) return NULL;
+  struct image* made = &r->images[r->image_count++];
+  if (create_image(r, wanted, view_format, made) != 0 || fill_image(r, made, value) != 0) return NULL;
+  return made;
+}
+
+void copy_image(struct renderer* r, const struct image* image, VkExtent2D extent,
+                const relume_staging* target) {
+  VkMemoryBarrier barrier = {0};
+  barrier.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
+  barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT;
+  barrier.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
+  vkCmdPipelineBarrier(r->commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0,
+                       1, &barrier, 0, NULL, 0, NULL);
+  VkBufferImageCopy copy = {0};
+  copy.bufferOffset = target->range.offset;
+  copy.imageSubresource.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT;
+  copy.imageSubresource.layerCount = 1;
+  copy.imageExtent.width = extent.width;
+  copy.imageExtent.height = extent.height;
+  copy.imageExtent.depth = 1;
+  vkCmdCopyImageToBuffer(r->commands, image->image, VK_IMAGE_LAYOUT_GENERAL, target->range.buffer, 1, &copy);
+}
+
+VkSampler make_sampler(struct renderer* r) {
+  VkSamplerCreateInfo nearest = {0};
+  nearest.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO;
+  if (vkCreateSampler(r->device, &nearest, NULL, &r->sampler) != VK_SUCCESS) return VK_NULL_HANDLE;
+  return r->sampler;
 }

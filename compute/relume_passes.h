@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * What goes into frames and comes out of them, for C99: the functions of compute/lightmap_pass.h,
+ * material_pass.h and screen_pass.h, whose headers say more. Each is of one system of a relume_solver and is
+ * recorded in the frames that name it. Materials and screens write albedo and exitance of clusters:
+ *
+ *   relume_materials_create, _bind        memory through the host's relume_allocate
+ *   relume_record_upload                  until nothing is pending: all is as stored
+ *   when a colour changes:
+ *     write relume_material_state         into relume_materials_states
+ *     relume_note_change, then a frame with the materials in it
+ *
+ * Errors, handles and threads as in compute/relume.h. What is _destroyed must not be in use by a command
+ * buffer that runs, and goes before its system is unloaded. */
+#ifndef RELUME_PASSES_H
+#define RELUME_PASSES_H
+
+#include "compute/relume.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Lightmaps ---------------------------------------------------------------------------------------- */
+
+typedef struct relume_lightmap relume_lightmap;
+
+typedef enum relume_lightmap_format {
+  RELUME_RGBA16F = 0,
+  RELUME_R11G11B10F = 1,
+  RELUME_RGB9E5 = 2
+} relume_lightmap_format;
+
+/* What the host's image is made with, at least: 2D, optimal tiling, one layer, one sample. */
+typedef struct relume_lightmap_image {
+  VkFormat format;
+  VkFormat storage_view_format; /* of the view that relume_lightmap_bind gets */
+  VkExtent2D extent;
+  VkImageUsageFlags usage;
+  VkImageCreateFlags flags;
+} relume_lightmap_image;
+
+/* Of a loaded system. To be destroyed before the solver, when no command buffer uses it. */
+relume_status relume_lightmap_create(relume_solver* solver, uint32_t system, relume_lightmap_format format,
+                                     relume_lightmap** lightmap, relume_lightmap_image* image,
+                                     relume_error* error);
+void relume_lightmap_destroy(relume_lightmap* lightmap);
+
+/* Once, followed by relume_record_upload. `add_direct` not 0: with the light of relume_add_lights. */
+relume_status relume_lightmap_bind(relume_lightmap* lightmap, relume_allocate allocate, void* user,
+                                   int add_direct, VkImageView storage_view, relume_error* error);
+
+/* ---- Materials ---------------------------------------------------------------------------------------- */
+
+typedef struct relume_materials relume_materials;
+
+/* What becomes of a stored colour, as the number in a relume_material_state. */
+typedef enum relume_color_rule {
+  RELUME_KEEP_STORED = 0,    /* the colour means nothing */
+  RELUME_REPLACE_STORED = 1, /* the colour is the value */
+  RELUME_SCALE_STORED = 2    /* the colour multiplies it: what textures made of it stays */
+} relume_color_rule;
+
+/* An element of the states, 32 bytes. NaN and what is below 0 become 0. */
+typedef struct relume_material_state {
+  float albedo[3];
+  float albedo_rule;
+  float exitance[3]; /* lm/m2: pi x radiance */
+  float exitance_rule;
+} relume_material_state;
+
+/* Of a loaded system. `per_cluster` 0: a state per material, numbered as those of the model; else one per
+ * cluster of the system. Albedo above `max_albedo` (at most 0.9999) is lowered to it: no more than was said
+ * to relume_load_system. */
+relume_status relume_materials_create(relume_solver* solver, uint32_t system, int per_cluster,
+                                      double max_albedo, relume_materials** materials, relume_error* error);
+void relume_materials_destroy(relume_materials* materials);
+
+/* Once, followed by relume_record_upload. */
+relume_status relume_materials_bind(relume_materials* materials, relume_allocate allocate, void* user,
+                                    relume_error* error);
+
+/* Where the states are: the host writes them by its own copies (usage TRANSFER_DST) or kernels, in front of
+ * relume_record_frame without a barrier; a null buffer before relume_materials_bind. */
+relume_buffer_range relume_materials_states(const relume_materials* materials);
+
+/* ---- Screens ------------------------------------------------------------------------------------------ */
+
+/* A material that shows an image: it sets the exitance, or the albedo, of the clusters that show it. */
+typedef struct relume_screen relume_screen;
+
+typedef struct relume_screen_info {
+  uint32_t system;
+  uint32_t material;
+  uint32_t width, height; /* of its images, about */
+  int sets_albedo;        /* 0: exitance */
+  double max_albedo;      /* at most 0.9999 */
+  uint32_t max_images;    /* that are ever added */
+} relume_screen_info;
+
+/* Fails with RELUME_USAGE when no cluster of the system shows an image: the material is not in it, or has no
+ * texture coordinates. */
+relume_status relume_screen_create(relume_solver* solver, const relume_screen_info* info,
+                                   relume_screen** screen, relume_error* error);
+void relume_screen_destroy(relume_screen* screen);
+
+/* Once, followed by relume_record_upload. */
+relume_status relume_screen_bind(relume_screen* screen, relume_allocate allocate, void* user,
+                                 relume_error* error);
+
+/* After relume_screen_bind. Level 0 of the view is sampled, in `layout`, as the sampler says; sRGB codes need
+ * an sRGB format. Gives the number of the image in frames. */
+relume_status relume_screen_add_image(relume_screen* screen, VkSampler sampler, VkImageView view,
+                                      VkImageLayout layout, uint32_t* image, relume_error* error);
+
+typedef struct relume_screen_frame {
+  const relume_screen* screen;
+  uint32_t image;
+  double factor[3]; /* what a texel of 1 is worth; cd/m2 for exitance */
+} relume_screen_frame;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
