@@ -36,8 +36,10 @@ Code f32_code(double value) {
   return {std::bit_cast<std::uint32_t>(kept), kept};
 }
 
+/// The nearest; but only zero becomes zero, so that every sender of a row can be told from its codes.
 Code unorm16_code(double share) {
-  const auto code = static_cast<std::uint32_t>(std::lround(share * kUnorm16Max));
+  const auto nearest = static_cast<std::uint32_t>(std::lround(share * kUnorm16Max));
+  const std::uint32_t code = share > 0.0 ? std::max(nearest, 1u) : 0;
   return {code, code / kUnorm16Max};
 }
 
@@ -47,14 +49,14 @@ double square(double value) {
 
 /// Of the two codes around `share`, the one that leaves the smaller error of the sum so far: neighbours in a
 /// row make up for each other, where rounding each to the nearest would shift the balance of the row. Zero
-/// stays zero.
+/// stays zero, and nothing else becomes it.
 Code sqrt8_code(double share, double& error) {
   if (share <= 0.0) return {0, 0.0};
   const double below = std::floor(std::sqrt(share) * kSqrt8Max);
   const double above = std::min(below + 1.0, kSqrt8Max);
   const double error_below = error + square(below / kSqrt8Max) - share;
   const double error_above = error + square(above / kSqrt8Max) - share;
-  const bool up = std::abs(error_above) < std::abs(error_below);
+  const bool up = below == 0.0 || std::abs(error_above) < std::abs(error_below);
   error = up ? error_above : error_below;
   const double code = up ? above : below;
   return {static_cast<std::uint32_t>(code), square(code / kSqrt8Max)};
@@ -152,13 +154,9 @@ void append_values(const EncodedTile& tile, MatrixBlock& block) {
 /// Calls visit(column, value) for the values of a row of a block that are not zero.
 template <class Visit>
 void visit_row(const MatrixBlock& block, std::uint32_t row, Visit&& visit) {
-  const std::uint32_t tile = row / block.tile_rows;
-  const std::uint32_t lane = row % block.tile_rows;
-  for (std::uint32_t entry = block.tile_offsets[tile]; entry < block.tile_offsets[tile + 1]; ++entry) {
-    const std::size_t index = std::size_t{entry} * block.tile_rows + lane;
-    const double value = unscaled_value(block.codec, block.values, index) * block.row_scales[row];
-    if (value != 0.0) visit(block.columns[entry], value);
-  }
+  visit_unscaled(block, row, [&](std::uint32_t column, double unscaled) {
+    visit(column, unscaled * block.row_scales[row]);
+  });
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "core/certificate.h"
 #include "core/sender_leaves.h"
 #include "core/sender_product.h"
+#include "core/value_slack.h"
 
 namespace relume {
 namespace {
@@ -122,17 +123,29 @@ std::vector<Rgb> senders(const CsrMatrix& nodes, const Lighting& lighting,
 SenderMatrix::SenderMatrix(CsrMatrix all_rows, CsrMatrix all_nodes)
     : rows(std::move(all_rows)), nodes(std::move(all_nodes)) {}
 
-ReferenceMatrices reference_matrices(const Model& model) {
+namespace {
+
+ReferenceMatrices decoded_matrices(const Model& model, CsrMatrix (*decode_rows)(const BlockMatrix&)) {
   const SenderNumbers numbers(model);
   const CsrMatrix nodes = node_matrix(model, numbers.leaves());
   CsrMatrix bounce = empty_matrix(numbers.senders());
   CsrMatrix gather = empty_matrix(numbers.senders());
   for (const System& system : model.systems) {
     const std::vector<std::uint32_t> columns = numbers.of_imports(system);
-    append_rows(decode(system.bounce), columns, bounce);
-    append_rows(decode(system.gather), columns, gather);
+    append_rows(decode_rows(system.bounce), columns, bounce);
+    append_rows(decode_rows(system.gather), columns, gather);
   }
   return {SenderMatrix(std::move(bounce), nodes), SenderMatrix(std::move(gather), nodes)};
+}
+
+}  // namespace
+
+ReferenceMatrices reference_matrices(const Model& model) {
+  return decoded_matrices(model, decode);
+}
+
+ReferenceMatrices reference_slack(const Model& model) {
+  return decoded_matrices(model, decode_slack);
 }
 
 std::vector<Rgb> bounce(const SenderMatrix& bounce_matrix, const Lighting& lighting,

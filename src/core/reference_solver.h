@@ -32,6 +32,9 @@ struct ReferenceMatrices {
 /// The model must be valid (check_model).
 ReferenceMatrices reference_matrices(const Model& model);
 
+/// Of the same pattern: how far the entries of the rows may be from those that were encoded (decode_slack).
+ReferenceMatrices reference_slack(const Model& model);
+
 /// One application of K: M + rho (H + K b), b = `radiosity` of the clusters, then the sky's, then that of the
 /// nodes by P.
 std::vector<Rgb> bounce(const SenderMatrix& bounce_matrix, const Lighting& lighting,

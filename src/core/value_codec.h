@@ -32,4 +32,17 @@ inline double unscaled_value(ValueCodec codec, std::span<const std::byte> values
   return root * root;
 }
 
+/// Calls visit(column, unscaled value) for the values of a row of a block that are not zero.
+template <class Visit>
+void visit_unscaled(const MatrixBlock& block, std::uint32_t row, Visit&& visit) {
+  const std::uint32_t tile = row / block.tile_rows;
+  const std::uint32_t lane = row % block.tile_rows;
+  if (block.row_scales[row] == 0.0f) return;
+  for (std::uint32_t entry = block.tile_offsets[tile]; entry < block.tile_offsets[tile + 1]; ++entry) {
+    const double value =
+        unscaled_value(block.codec, block.values, std::size_t{entry} * block.tile_rows + lane);
+    if (value != 0.0) visit(block.columns[entry], value);
+  }
+}
+
 }  // namespace relume

@@ -4,6 +4,7 @@
 #include <functional>
 #include <glm/common.hpp>
 
+#include "tool/heat_color.h"
 #include "tool/lightmap_image.h"
 
 namespace relume {
@@ -29,10 +30,6 @@ Rgb color_of_number(std::uint64_t number) {
   const Rgb wheel(glm::abs(hue - 3.0) - 1.0, 2.0 - glm::abs(hue - 2.0), 2.0 - glm::abs(hue - 4.0));
   const double depth = 0.35 + 0.2 * static_cast<double>(number % 3);
   return glm::mix(Rgb(0.9), glm::clamp(wheel, Rgb(0.0), Rgb(1.0)), 0.8) * depth;
-}
-
-Rgb heat(double share) {
-  return glm::clamp(Rgb(3.0 * share, 3.0 * share - 1.0, 3.0 * share - 2.0), Rgb(0.0), Rgb(1.0));
 }
 
 Rgb validity_color(const LumelPlace& place) {
@@ -69,7 +66,7 @@ ColorImage draw_system(const Model& model, std::size_t s, const std::string& vie
   std::vector<Rgb> colors;
   if (view == "row_sum") {
     const std::vector<double> sums = row_sums(system.gather);
-    for (std::size_t i = 0; i < system.lumels.size(); ++i) colors.push_back(heat(sums[i]));
+    for (std::size_t i = 0; i < system.lumels.size(); ++i) colors.push_back(heat_color(sums[i]));
   } else {
     const LumelColor color = color_of_view(view);
     for (std::size_t i = 0; i < system.lumels.size(); ++i) colors.push_back(color({system, s, i, i}));

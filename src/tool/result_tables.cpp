@@ -25,6 +25,17 @@ std::string cells(const Vector& v) {
   return fmt::format("{:.9g},{:.9g},{:.9g}", v[0], v[1], v[2]);
 }
 
+/// Names of six more columns, or none.
+std::string bound_names(const std::string& value, const Bracket* bracket) {
+  if (!bracket) return "";
+  return fmt::format(",{0}_low_r,{0}_low_g,{0}_low_b,{0}_high_r,{0}_high_g,{0}_high_b", value);
+}
+
+std::string bound_cells(const Bracket* bracket, std::size_t row) {
+  if (!bracket) return "";
+  return fmt::format(",{},{}", cells(bracket->low[row]), cells(bracket->high[row]));
+}
+
 JsonObject chart_json(const Model& model, const System& system, const LightmapChart& chart) {
   const glm::vec2 size(system.lightmap_width, system.lightmap_height);
   const glm::vec2 scale = chart.scale / size;
@@ -39,18 +50,20 @@ JsonObject chart_json(const Model& model, const System& system, const LightmapCh
 
 }  // namespace
 
-std::string clusters_csv(const Model& model, const Lighting& lighting, std::span<const Rgb> radiosity) {
+std::string clusters_csv(const Model& model, const Lighting& lighting, std::span<const Rgb> radiosity,
+                         const Bracket* bracket) {
   std::string text =
       "id,system,px,py,pz,nx,ny,nz,area,albedo_r,albedo_g,albedo_b,exitance_r,exitance_g,exitance_b,"
-      "direct_r,direct_g,direct_b,radiosity_r,radiosity_g,radiosity_b\n";
+      "direct_r,direct_g,direct_b,radiosity_r,radiosity_g,radiosity_b" +
+      bound_names("radiosity", bracket) + "\n";
   std::size_t id = 0;
   for (const System& system : model.systems) {
     const std::string name = csv_cell(system.name);
     for (const Cluster& cluster : system.clusters) {
-      fmt::format_to(std::back_inserter(text), "{},{},{},{},{:.9g},{},{},{},{}\n", id, name,
+      fmt::format_to(std::back_inserter(text), "{},{},{},{},{:.9g},{},{},{},{}{}\n", id, name,
                      cells(model.origin + glm::dvec3(cluster.centroid)), cells(cluster.normal), cluster.area,
                      cells(lighting.albedo[id]), cells(lighting.exitance[id]), cells(lighting.direct[id]),
-                     cells(radiosity[id]));
+                     cells(radiosity[id]), bound_cells(bracket, id));
       ++id;
     }
   }
@@ -58,20 +71,22 @@ std::string clusters_csv(const Model& model, const Lighting& lighting, std::span
 }
 
 std::string sensors_csv(const Model& model, std::span<const Rgb> gather_direct,
-                        std::span<const Rgb> gather_indirect) {
+                        std::span<const Rgb> gather_indirect, const Bracket* bracket) {
   std::vector<std::pair<std::uint32_t, std::string>> lines;
   std::size_t row = 0;
   for (const System& system : model.systems) {
     row += system.lumels.size();
     for (const Sensor& sensor : system.sensors) {
-      lines.emplace_back(sensor.name, fmt::format("{},{},{},{},{}\n", model.sensor_names[sensor.name],
-                                                  cells(sensor.position), cells(sensor.normal),
-                                                  cells(gather_direct[row]), cells(gather_indirect[row])));
+      lines.emplace_back(sensor.name,
+                         fmt::format("{},{},{},{},{}{}\n", model.sensor_names[sensor.name],
+                                     cells(sensor.position), cells(sensor.normal), cells(gather_direct[row]),
+                                     cells(gather_indirect[row]), bound_cells(bracket, row)));
       ++row;
     }
   }
   std::sort(lines.begin(), lines.end());
-  std::string text = "id,px,py,pz,nx,ny,nz,direct_r,direct_g,direct_b,indirect_r,indirect_g,indirect_b\n";
+  std::string text = "id,px,py,pz,nx,ny,nz,direct_r,direct_g,direct_b,indirect_r,indirect_g,indirect_b" +
+                     bound_names("indirect", bracket) + "\n";
   for (const auto& line : lines) text += line.second;
   return text;
 }

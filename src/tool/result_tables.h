@@ -6,20 +6,23 @@
 #include <span>
 #include <string>
 
+#include "core/bracket.h"
 #include "core/model.h"
 #include "core/solve.h"
 
 namespace relume {
 
 /// Header id,system,px,py,pz,nx,ny,nz,area, then albedo_, exitance_, direct_ and radiosity_ each with r, g,
-/// b. One line per cluster, numbered through; world space, m2, lm/m2.
-std::string clusters_csv(const Model& model, const Lighting& lighting, std::span<const Rgb> radiosity);
+/// b. One line per cluster, numbered through; world space, m2, lm/m2. With `bracket` (null: without) also
+/// radiosity_low_ and radiosity_high_.
+std::string clusters_csv(const Model& model, const Lighting& lighting, std::span<const Rgb> radiosity,
+                         const Bracket* bracket);
 
 /// Header id,px,py,pz,nx,ny,nz,direct_r,direct_g,direct_b,indirect_r,indirect_g,indirect_b: lux, in the order
 /// of the sensors' own file. Direct is what arrives from punctual lights unreflected, indirect all that
-/// arrives through form factors.
+/// arrives through form factors. With `bracket` (null: without) also indirect_low_ and indirect_high_.
 std::string sensors_csv(const Model& model, std::span<const Rgb> gather_direct,
-                        std::span<const Rgb> gather_indirect);
+                        std::span<const Rgb> gather_indirect, const Bracket* bracket);
 
 /// Names of files are unique and hold only letters, digits, '.', '_' and '-'; one per system.
 std::vector<std::string> system_file_names(const Model& model);

@@ -6,6 +6,7 @@
 #include "core/model_file.h"
 #include "tool/direct_light.h"
 #include "tool/missing_systems.h"
+#include "tool/solution_bounds.h"
 #include "tool/solve_outputs.h"
 #include "tool/stopwatch.h"
 
@@ -85,20 +86,32 @@ Result<int> run(const SolveArguments& arguments, Console& console) {
     console.warn(missing_sentence(**missing, model->systems.size(), arguments.missing_radiosity.has_value()));
   }
 
+  std::optional<SolutionBounds> bounds;
+  if (arguments.bounds) {
+    Result<SolutionBounds> found = bound_solution(*model, setup->lighting, *outcome, console);
+    if (!found) return tl::unexpected(found.error());
+    bounds = std::move(*found);
+  }
+  const double bounds_seconds = watch.lap();
+
   OutputFolder folder(arguments.output);
-  const auto made = make_solve_outputs(*model, *setup, outcome->solution, outcome->gathered, arguments.ktx2,
-                                       folder, console);
+  const auto made = make_solve_outputs(*model, *setup, outcome->solution, outcome->gathered,
+                                       bounds ? &bounds->bracket : nullptr, arguments.ktx2, folder, console);
   if (!made) return tl::unexpected(made.error());
   if (const Result<void> written = folder.write(); !written) return tl::unexpected(written.error());
 
   JsonObject seconds{{"read", read_seconds}, {"lighting", lighting_seconds}};
   for (const auto& member : outcome->seconds) seconds.push_back(member);
   seconds.emplace_back("missing", missing_seconds);
+  seconds.emplace_back("bounds", bounds_seconds);
   seconds.emplace_back("outputs", watch.lap());
   const double total_seconds = total.lap();
   seconds.emplace_back("total", total_seconds);
+  if (bounds) console.say(bounds_sentence(*bounds));
   say_result(arguments, *outcome, folder, total_seconds, console);
-  console.finish(result_json(*setup, direct_by, *outcome, std::move(seconds), *missing, folder));
+  JsonObject result = result_json(*setup, direct_by, *outcome, std::move(seconds), *missing, folder);
+  if (bounds) result.emplace_back("bounds", bounds_json(*bounds));
+  console.finish(std::move(result));
   return 0;
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "tool/auto_camera.h"
+#include "tool/heat_color.h"
 #include "tool/ktx2.h"
 #include "tool/lightmap_image.h"
 #include "tool/model_glb.h"
@@ -54,6 +55,29 @@ Result<void> add_lightmaps(const Model& model, std::span<const Rgb> direct, std:
   return {};
 }
 
+/// Least, most and width of the indirect irradiance.
+Result<void> add_bounds(const Model& model, std::span<const Rgb> indirect, const Bracket& bracket,
+                        OutputFolder& folder, Console& console) {
+  const std::vector<std::string> names = system_file_names(model);
+  std::vector<Rgb> heat;
+  for (const double width : relative_widths(bracket, {indirect.begin(), indirect.end()}))
+    heat.push_back(heat_color(width));
+  for (std::size_t s = 0; s < model.systems.size(); ++s) {
+    const System& system = model.systems[s];
+    if (system.lightmap_width == 0) continue;
+    const std::string stem = "lightmaps/" + names[s];
+    const auto add = [&](const std::vector<Rgb>& values, const char* what) {
+      return add_lightmap(system, lumels_of(model, s, values), stem + what, {}, folder, console);
+    };
+    if (const auto low = add(bracket.low, ".low"); !low) return low;
+    if (const auto high = add(bracket.high, ".high"); !high) return high;
+    const ColorImage image = lightmap_image(system, lumels_of(model, s, heat));
+    if (const auto width = folder.add(stem + ".width.png", encode_png(srgb_image(image))); !width)
+      return width;
+  }
+  return {};
+}
+
 /// What each lumel looks like on a screen.
 ByteImage shaded_lightmap(const Model& model, std::size_t s, const Lighting& lighting,
                           std::span<const Rgb> irradiance, const ToneCurve& curve) {
@@ -97,12 +121,18 @@ Result<void> add_pictures(const Model& model, const LightingSetup& setup, const 
 }  // namespace
 
 Result<void> make_solve_outputs(const Model& model, const LightingSetup& setup, const Solution& solution,
-                                const std::vector<Rgb>& indirect, std::optional<LightmapFormat> ktx2,
-                                OutputFolder& folder, Console& console) {
+                                const std::vector<Rgb>& indirect, const SolutionBracket* bracket,
+                                std::optional<LightmapFormat> ktx2, OutputFolder& folder, Console& console) {
   const std::vector<Rgb>& direct = setup.gather_direct;
   if (const auto added = add_lightmaps(model, direct, indirect, ktx2, folder, console); !added) return added;
-  folder.add("clusters.csv", clusters_csv(model, setup.lighting, solution.radiosity));
-  folder.add("sensors.csv", sensors_csv(model, direct, indirect));
+  if (bracket) {
+    const auto added = add_bounds(model, indirect, bracket->irradiance, folder, console);
+    if (!added) return added;
+  }
+  const Bracket* radiosity = bracket ? &bracket->radiosity : nullptr;
+  const Bracket* irradiance_bounds = bracket ? &bracket->irradiance : nullptr;
+  folder.add("clusters.csv", clusters_csv(model, setup.lighting, solution.radiosity, radiosity));
+  folder.add("sensors.csv", sensors_csv(model, direct, indirect, irradiance_bounds));
   std::vector<Rgb> irradiance(direct);
   for (std::size_t row = 0; row < irradiance.size(); ++row) irradiance[row] += indirect[row];
   return add_pictures(model, setup, irradiance, folder);

@@ -118,11 +118,22 @@ TEST(ResultTables, SensorsComeInTheOrderOfTheirFile) {
   const std::size_t lumels = model.systems[0].lumels.size();
   direct[lumels] = Rgb(10.0);      // of the sensor whose name is "first"
   direct[lumels + 1] = Rgb(20.0);  // of "later"
-  const std::string text = sensors_csv(model, direct, indirect);
+  const std::string text = sensors_csv(model, direct, indirect, nullptr);
   EXPECT_THAT(text, testing::HasSubstr("\nlater,"));
   EXPECT_LT(text.find("\nlater,"), text.find("\nfirst,"));
   EXPECT_THAT(text, testing::HasSubstr(",20,20,20,2,2,2\nfirst,"));
   EXPECT_THAT(text, testing::EndsWith(",10,10,10,2,2,2\n"));
+}
+
+TEST(ResultTables, BoundsAreSixMoreColumns) {
+  const Model model = tiny_model();
+  const Lighting lighting = stored_lighting(model);
+  const Bracket clusters{{Rgb(1.0), Rgb(2.0)}, {Rgb(3.0), Rgb(4.0)}};
+  const std::string text = clusters_csv(model, lighting, std::vector<Rgb>(2, Rgb(2.5)), &clusters);
+  EXPECT_THAT(text, testing::HasSubstr("radiosity_b,radiosity_low_r,radiosity_low_g,radiosity_low_b,"
+                                       "radiosity_high_r,radiosity_high_g,radiosity_high_b\n0,"));
+  EXPECT_THAT(text, testing::HasSubstr(",2.5,2.5,2.5,1,1,1,3,3,3\n1,"));
+  EXPECT_THAT(text, testing::EndsWith(",2.5,2.5,2.5,2,2,2,4,4,4\n"));
 }
 
 TEST(ResultTables, FileNamesOfSystemsAreSafeAndUnique) {
