@@ -47,7 +47,7 @@ VulkanHandle<VkSampler> nearest_sampler(const StandaloneDevice& device) {
 }
 
 HostImage make_lightmap_image(StandaloneDevice& device, const LightmapImage& needed) {
-  return {device, made(relume::make_lightmap_image(device, needed))};
+  return {device, made(relume::make_lightmap_target(device, needed))};
 }
 
 }  // namespace relume::test

@@ -42,7 +42,7 @@ class HostImage {
 /// Texels as they are, repeated beyond the image.
 VulkanHandle<VkSampler> nearest_sampler(const StandaloneDevice& device);
 
-/// As relume::make_lightmap_image.
+/// As relume::make_lightmap_target.
 HostImage make_lightmap_image(StandaloneDevice& device, const LightmapImage& needed);
 
 }  // namespace relume::test
