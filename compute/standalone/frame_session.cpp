@@ -190,7 +190,7 @@ Result<std::optional<Lightmap>> FrameSession::State::make_lightmap(const System&
   const auto ranges = allocate(pass->buffers());
   if (!ranges) return failed(ranges.error());
   if (auto uploaded = upload(*ranges, lightmap_data(texels)); !uploaded) return failed(uploaded.error());
-  auto image = make_lightmap_image(*device, pass->image());
+  auto image = make_lightmap_target(*device, pass->image());
   if (!image) return failed(image.error());
   auto view = make_image_view(*device, *image, pass->image().storage_view_format, VK_IMAGE_USAGE_STORAGE_BIT);
   if (!view) return failed(view.error());

@@ -153,7 +153,7 @@ VkDeviceSize texel_bytes(LightmapFormat format) {
   return format == LightmapFormat::rgba16f ? 8 : 4;
 }
 
-Result<DeviceImage> make_lightmap_image(StandaloneDevice& device, const LightmapImage& needed) {
+Result<DeviceImage> make_lightmap_target(StandaloneDevice& device, const LightmapImage& needed) {
   const VkImageUsageFlags copies = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
   auto image = make_device_image(device, {needed.format, needed.extent, needed.usage | copies, needed.flags});
   if (!image) return image;

@@ -70,6 +70,6 @@ Result<std::vector<std::byte>> read_image(StandaloneDevice& device, const Device
 VkDeviceSize texel_bytes(LightmapFormat format);
 
 /// The image that a lightmap pass asks for, with copies allowed; cleared to zero, in layout GENERAL.
-Result<DeviceImage> make_lightmap_image(StandaloneDevice& device, const LightmapImage& needed);
+Result<DeviceImage> make_lightmap_target(StandaloneDevice& device, const LightmapImage& needed);
 
 }  // namespace relume
