@@ -138,8 +138,7 @@ Result<Runner> start(StandaloneDevice& device, const Model& model, const LampPla
 
 std::vector<Measurement> report(const LampPlace& place, const std::vector<Runner>& runners) {
   std::vector<Measurement> out{{kName, "radius of the circle", "m", {kCircle * place.radius}}};
-  out.push_back(
-      {kName, "form factors of a bounce and a gather", "", {double(runners.front().session.form_factors())}});
+  out.push_back({kName, "entries of a bounce and a gather", "", {double(runners.front().session.entries())}});
   for (const Runner& runner : runners) {
     double sum = 0.0;
     for (const double error : runner.errors) sum += error;

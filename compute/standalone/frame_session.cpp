@@ -352,7 +352,7 @@ const GpuSolver& FrameSession::solver() const {
   return state_->solver;
 }
 
-std::uint64_t FrameSession::form_factors() const {
+std::uint64_t FrameSession::entries() const {
   std::uint64_t cost = 0;
   for (const SystemTraits& traits : state_->solver.traits()) {
     for (const StepKernel kernel : {StepKernel::bounce, StepKernel::gather}) {

@@ -66,7 +66,7 @@ class FrameSession {
   Result<FrameTimes> frame(const FrameContent& content);
 
   const GpuSolver& solver() const;
-  std::uint64_t form_factors() const;  ///< of a bounce and a gather of all systems
+  std::uint64_t entries() const;  ///< of a bounce and a gather of all systems, zeros of tiles included
 
   /// Of all clusters, gather rows, or texels of a system, after the last frame: albedo; H and B (lm/m2);
   /// irradiance through form factors (lm/m2); direct irradiance of gather rows.
