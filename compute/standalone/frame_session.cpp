@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "compute/record_upload.h"
+#include "compute/standalone/staging_parts.h"
 
 namespace relume {
 namespace {
@@ -18,7 +19,6 @@ constexpr VkDeviceSize kUploadBytes = VkDeviceSize{16} << 20;
 constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
                                       VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                                       VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-constexpr VkDeviceSize kAlignment = 16;
 constexpr VkDeviceSize kTracePairBytes = 64;  ///< of the work of a light and a block, and more
 
 enum Moment : std::uint32_t { kBegin, kInputs, kDirectLight, kBounces, kGather, kLightmaps, kMoments };
@@ -41,28 +41,6 @@ struct SystemPasses {
   MaterialPass materials;
   BufferRange states;
   std::optional<Lightmap> lightmap;
-};
-
-/// Hands out the parts of the staging memory of a frame.
-class StagingParts {
- public:
-  explicit StagingParts(const DeviceBuffer& buffer) : buffer_(buffer) {}
-
-  Staging take(VkDeviceSize byte_size) {
-    const Staging part{{buffer_.buffer.get(), used_, byte_size}, buffer_.mapped + used_};
-    used_ += (byte_size + kAlignment - 1) / kAlignment * kAlignment;
-    return part;
-  }
-
-  BufferRange copy_of(std::span<const std::byte> bytes) {
-    const Staging part = take(bytes.size());
-    std::memcpy(part.mapped, bytes.data(), bytes.size());
-    return part.range;
-  }
-
- private:
-  const DeviceBuffer& buffer_;
-  VkDeviceSize used_ = 0;
 };
 
 std::vector<float> four_floats(std::span<const Rgb> values) {
@@ -226,8 +204,9 @@ VkDeviceSize FrameSession::State::light_bytes(const SystemPasses& of) const {
 }
 
 VkDeviceSize FrameSession::State::frame_bytes(const FrameContent& content) const {
-  VkDeviceSize bytes = content.materials.size_bytes() + kRgbBytes * content.sky.size() + 4 * kAlignment;
-  for (const SystemPasses& of : passes) bytes += light_bytes(of) + 2 * kAlignment;
+  VkDeviceSize bytes =
+      content.materials.size_bytes() + kRgbBytes * content.sky.size() + 4 * StagingParts::kAlignment;
+  for (const SystemPasses& of : passes) bytes += light_bytes(of) + 2 * StagingParts::kAlignment;
   return bytes;
 }
 
