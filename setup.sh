@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # ./setup.sh demo   installs what is missing, builds, and relights a room: pictures, tables, GPU against reference
+# ./setup.sh day    the same room from morning to night, in frames recorded on the device
 # ./setup.sh test   installs what is missing, builds, and runs all tests
 #
 # Debian 12. Packages come from apt as root or with sudo; where that cannot be, the missing ones are printed and the exit status is 2.
@@ -48,12 +49,25 @@ build() {
   cmake --build --preset release --target "$@"
 }
 
+relume=build/release/src/tool/relume
+
+make_room() {
+  mkdir -p demo
+  build/release/src/scene/relume-make-scene demo -o demo/room.glb
+  "$relume" precompute demo/room.glb -o demo/room.relume
+}
+
+day() {
+  build relume relume_make_scene relume_day
+  make_room
+  build/release/bench/relume-day demo/room.relume -o demo/hours
+  echo "Pictures:"
+  find "$PWD/demo/hours" -name '*.png' | sort | sed 's/^/  /'
+}
+
 demo() {
   build relume relume_make_scene
-  local relume=build/release/src/tool/relume make_scene=build/release/src/scene/relume-make-scene
-  mkdir -p demo
-  "$make_scene" demo -o demo/room.glb
-  "$relume" precompute demo/room.glb -o demo/room.relume
+  make_room
   "$relume" solve demo/room.relume -o demo/day
   cat >demo/night.materials.json <<'END'
 { "materials": {
@@ -81,6 +95,7 @@ run_tests() {
 
 case ${1-} in
   demo) install_packages; demo ;;
+  day) install_packages; day ;;
   test) install_packages; run_tests ;;
-  *) echo "usage: ./setup.sh demo|test" >&2; exit 2 ;;
+  *) echo "usage: ./setup.sh demo|day|test" >&2; exit 2 ;;
 esac

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kLumels = 12000.0;
 
-constexpr std::array<Benchmark, 5> kBenchmarks{{
+constexpr std::array<Benchmark, 7> kBenchmarks{{
     {"precompute_vs_embree", "time of a precompute against that of bare Embree for the same rays",
      precompute_vs_embree},
     {"error", "error and size of models for error targets and flat budgets, against a converged answer",
@@ -27,6 +27,8 @@ constexpr std::array<Benchmark, 5> kBenchmarks{{
     {"shadow_rays", "shadow rays a second of the device against Embree, and milliseconds for lights",
      shadow_rays},
     {"solve", "form factors a second of the reference product and of each device kernel", solve},
+    {"frame", "milliseconds of the stages of a frame, of what changes in it, and to the first one", frame},
+    {"tracking", "how far frames of one and two bounces are behind a lamp on a circle", tracking},
 }};
 
 /// Through a file, as everybody's scene comes.
@@ -67,6 +69,14 @@ PrecomputeOptions precompute_options(const BenchmarkOptions& options, const Scen
   chosen.cluster_size = 3.0 * chosen.texel_size;
   chosen.quality = options.quality;
   return chosen;
+}
+
+Result<Model> model_with_error(const BenchmarkOptions& options, const Scene& scene) {
+  PrecomputeOptions chosen;
+  chosen.error = options.error;
+  chosen.texel_size = options.texel_size;
+  PrecomputeReport report;
+  return precompute(scene, chosen, report);
 }
 
 }  // namespace relume::bench

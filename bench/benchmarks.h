@@ -17,7 +17,8 @@ struct BenchmarkOptions {
   std::uint32_t repetitions = 7;
   std::filesystem::path scene;  ///< empty: the generated furnished room
   std::uint32_t quality = 512;  ///< rays per lumel
-  double texel_size = 0.0;      ///< m; 0: about 12 k lumels
+  double texel_size = 0.0;      ///< m; 0: about 12 k lumels, or as the precompute chooses for an error
+  double error = 0.05;          ///< target of the models of whole frames
 };
 
 /// Each checks its answers before it takes times, and fails (check_failed) when they are wrong.
@@ -47,9 +48,18 @@ Measurements sampling(const BenchmarkOptions& options);
 /// Shadow rays a second of the device against Embree's, and the time that lights take.
 Measurements shadow_rays(const BenchmarkOptions& options);
 
+/// Milliseconds of the stages of a frame, of lights that move, of new albedos, and to the first frame.
+Measurements frame(const BenchmarkOptions& options);
+
+/// How far frames are behind a lamp that moves, against the converged answer of each frame.
+Measurements tracking(const BenchmarkOptions& options);
+
 /// The scene of `options`, and its precompute options.
 Result<Scene> benchmark_scene(const BenchmarkOptions& options);
 double area_of(const Scene& scene);  ///< m2
 PrecomputeOptions precompute_options(const BenchmarkOptions& options, const Scene& scene);
+
+/// A model of the scene with the error target of `options`.
+Result<Model> model_with_error(const BenchmarkOptions& options, const Scene& scene);
 
 }  // namespace relume::bench

@@ -17,6 +17,7 @@ struct Arguments {
   bool csv = false;
   bool json = false;
   std::string run = ".*";
+  std::vector<std::filesystem::path> scenes{{}};
   BenchmarkOptions options;
 };
 
@@ -25,12 +26,28 @@ int list_benchmarks() {
   return 0;
 }
 
+/// One scene after the other; their names go before those of what was measured when there are several.
+Measurements run_benchmark(const Benchmark& benchmark, const Arguments& arguments) {
+  std::vector<Measurement> all;
+  for (const std::filesystem::path& scene : arguments.scenes) {
+    BenchmarkOptions options = arguments.options;
+    options.scene = scene;
+    auto measured = benchmark.run(options);
+    if (!measured) return measured;
+    for (Measurement& one : *measured) {
+      if (arguments.scenes.size() > 1) one.name = scene.stem().string() + ": " + one.name;
+      all.push_back(std::move(one));
+    }
+  }
+  return all;
+}
+
 int run_benchmarks(const Arguments& arguments) {
   const std::regex wanted(arguments.run);
   std::vector<Measurement> all;
   for (const Benchmark& benchmark : benchmarks()) {
     if (!std::regex_search(benchmark.name, wanted)) continue;
-    const auto measured = benchmark.run(arguments.options);
+    const auto measured = run_benchmark(benchmark, arguments);
     if (!measured) {
       fmt::print(stderr, "relume-bench: {}\n", measured.error().message);
       return static_cast<int>(measured.error().code);
@@ -56,10 +73,14 @@ int main(int argc, char** argv) {
   app.add_option("--repetitions", arguments.options.repetitions, "Times each measurement is taken")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app.add_option("--scene", arguments.options.scene, "A scene instead of the generated room")
+  app.add_option("--scene", arguments.scenes, "Scenes instead of the generated room")
       ->check(CLI::ExistingFile);
   app.add_option("--quality", arguments.options.quality, "Rays per lumel")->capture_default_str();
-  app.add_option("--texel-size", arguments.options.texel_size, "Metres; 0: about 12 k lumels")
+  app.add_option("--texel-size", arguments.options.texel_size,
+                 "Metres; 0: about 12 k lumels, or as the precompute chooses for --error")
+      ->capture_default_str();
+  app.add_option("--error", arguments.options.error, "Error target of the models of frame and tracking")
+      ->check(CLI::Range(1e-3, 1.0))
       ->capture_default_str();
   auto* csv = app.add_flag("--csv", arguments.csv, "Prints CSV");
   app.add_flag("--json", arguments.json, "Prints JSON")->excludes(csv);

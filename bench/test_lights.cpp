@@ -173,6 +173,15 @@ Result<TestScene> test_scene(Scene scene, std::size_t sensors) {
   return result;
 }
 
+Result<LampPlace> lamp_place(const Scene& scene) {
+  const Geometry geometry = make_geometry(scene);
+  const auto caster = make_caster(geometry);
+  if (!caster) return tl::unexpected(caster.error());
+  SurfaceDraw draw(geometry);
+  const FreePlace place = free_place(geometry, *caster, draw);
+  return LampPlace{geometry.origin + glm::dvec3(place.position), double(place.radius)};
+}
+
 Result<Lighting> test_lighting(const Model& model, const TestLight& light) {
   Lighting lighting = stored_lighting(model);
   const auto lamp = std::find_if(model.materials.begin(), model.materials.end(),

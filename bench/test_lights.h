@@ -29,6 +29,14 @@ struct TestScene {
 
 Result<TestScene> test_scene(Scene scene, std::size_t sensors);
 
+/// A place for lamps in free space, inside a room where there is one.
+struct LampPlace {
+  glm::dvec3 position{0.0};  ///< world space
+  double radius = 0.0;       ///< m, to the nearest surface
+};
+
+Result<LampPlace> lamp_place(const Scene& scene);
+
 /// Albedo of the model; light of `light` alone.
 Result<Lighting> test_lighting(const Model& model, const TestLight& light);
 

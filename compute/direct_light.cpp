@@ -319,6 +319,9 @@ UploadData DirectLight::model_data(const Model& model, bool occluders) const {
   add_piece(data, kLightPatches, surfaces.patches);
   add_piece(data, kLightElements, surfaces.elements);
   add_piece(data, kLightTables, light_tables(surfaces).words);
+  // Read before everything has been traced for the first time.
+  add_piece(data, kElementLight, std::vector<kernels::vec4>(surfaces.elements.size()));
+  add_piece(data, kClusterLight, std::vector<kernels::vec4>(surfaces.clusters.size() / 2));
   return data;
 }
 

@@ -98,7 +98,7 @@ class DirectLight {
   /// One range per entry of buffers(). To be called once.
   Result<void> bind(std::span<const BufferRange> ranges);
 
-  /// Tree, patches and tables. Refers to nothing. `occluders`: the first three buffers too.
+  /// Tree, patches, tables, and no light yet. Refers to nothing. `occluders`: the first three buffers too.
   UploadData model_data(const Model& model, bool occluders = true) const;
 
   /// As GpuSolver::record_upload.

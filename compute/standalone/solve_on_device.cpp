@@ -207,14 +207,6 @@ bool has_tiles(const Model& model) {
   });
 }
 
-RowKernel choose_kernel(const StandaloneDevice& device, const Model& model,
-                        const DeviceSolveOptions& options) {
-  if (options.kernel) return *options.kernel;
-  if (has_tiles(model)) return RowKernel::tile_shared;
-  const bool processor = device.type() == VK_PHYSICAL_DEVICE_TYPE_CPU;
-  return processor ? RowKernel::row_per_thread : RowKernel::row_per_8_lanes;
-}
-
 Result<void> gather(SolverSession& session, DeviceSolution& out) {
   Stopwatch watch;
   const auto times = session.run({.gather = true});
@@ -243,12 +235,18 @@ Result<ContractionBound> bound_on_device(SolverSession& session, const Lighting&
 
 }  // namespace
 
+RowKernel choose_row_kernel(const StandaloneDevice& device, const Model& model) {
+  if (has_tiles(model)) return RowKernel::tile_shared;
+  const bool processor = device.type() == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  return processor ? RowKernel::row_per_thread : RowKernel::row_per_8_lanes;
+}
+
 Result<DeviceSolution> solve_on_device(StandaloneDevice& device, const Model& model, const Lighting& lighting,
                                        const StopRule& rule, const DeviceSolveOptions& options) {
   if (auto checked = check_lighting(model, lighting); !checked) return failed(checked.error());
   DeviceSolution out;
   Stopwatch watch;
-  const RowKernel kernel = choose_kernel(device, model, options);
+  const RowKernel kernel = options.kernel.value_or(choose_row_kernel(device, model));
   auto session =
       SolverSession::create(device, model, {kernel, options.max_dispatch_form_factors, options.fetch},
                             {options.max_submit_form_factors, options.timeout_seconds});

@@ -9,6 +9,7 @@
 
 #include "compute/device_requirements.h"
 #include "compute/standalone/instance.h"
+#include "compute/standalone/timestamps.h"
 #include "compute/standalone/validation_log.h"
 #include "compute/vulkan_error.h"
 #include "compute/vulkan_handle.h"
@@ -22,21 +23,15 @@ struct DestroyDevice {
 };
 using DeviceHandle = std::unique_ptr<VkDevice_T, DestroyDevice>;
 
-struct QueueFamily {
-  std::uint32_t index = 0;
-  std::uint64_t timestamp_mask = 0;  ///< 0: no timestamps
-};
-
 /// The first that can compute; device_requirements has seen that there is one.
-QueueFamily compute_family(VkPhysicalDevice device) {
+std::uint32_t compute_family(VkPhysicalDevice device) {
   std::uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
   std::uint32_t index = 0;
   while (index + 1 < count && (families[index].queueFlags & VK_QUEUE_COMPUTE_BIT) == 0) ++index;
-  const std::uint32_t bits = families[index].timestampValidBits;
-  return {index, bits == 0 ? 0 : ~std::uint64_t{0} >> (64 - bits)};
+  return index;
 }
 
 Result<DeviceHandle> create_device(VkPhysicalDevice physical_device, std::uint32_t family) {
@@ -79,28 +74,27 @@ struct StandaloneDevice::State {
   VkPhysicalDevice physical_device;
   VkPhysicalDeviceProperties properties{};
   VkPhysicalDeviceMemoryProperties memory{};
-  QueueFamily family;
+  std::uint32_t family = 0;
   std::string name;
   DeviceHandle device;
   VkQueue queue = VK_NULL_HANDLE;
   VulkanHandle<VkCommandPool> command_pool;
   VulkanHandle<VkFence> fence;
-  VulkanHandle<VkQueryPool> timestamps;
+  Timestamps timestamps;  ///< around the commands
   VkCommandBuffer commands = VK_NULL_HANDLE;
   bool lost = false;
 
   Result<void> create_children();
   Result<void> record(const std::function<void(VkCommandBuffer)>& record);
   Result<void> wait(double timeout_seconds);
-  double gpu_seconds() const;
 };
 
 Result<void> StandaloneDevice::State::create_children() {
   VkDevice owner = device.get();
-  vkGetDeviceQueue(owner, family.index, 0, &queue);
+  vkGetDeviceQueue(owner, family, 0, &queue);
 
   auto pool_info = vulkan_info<VkCommandPoolCreateInfo>(VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO);
-  pool_info.queueFamilyIndex = family.index;
+  pool_info.queueFamilyIndex = family;
   VkCommandPool pool = VK_NULL_HANDLE;
   if (auto made =
           check_vulkan(vkCreateCommandPool(owner, &pool_info, nullptr, &pool), "creating a command pool");
@@ -127,18 +121,9 @@ Result<void> StandaloneDevice::State::create_children() {
     return made;
   }
   fence = {owner, made_fence, vkDestroyFence, nullptr};
-  if (family.timestamp_mask == 0) return {};
-
-  auto query_info = vulkan_info<VkQueryPoolCreateInfo>(VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO);
-  query_info.queryType = VK_QUERY_TYPE_TIMESTAMP;
-  query_info.queryCount = 2;
-  VkQueryPool queries = VK_NULL_HANDLE;
-  if (auto made =
-          check_vulkan(vkCreateQueryPool(owner, &query_info, nullptr, &queries), "creating a query pool");
-      !made) {
-    return made;
-  }
-  timestamps = {owner, queries, vkDestroyQueryPool, nullptr};
+  auto clock = Timestamps::create(physical_device, owner, family, 2);
+  if (!clock) return tl::unexpected<Error>(clock.error());
+  timestamps = std::move(*clock);
   return {};
 }
 
@@ -154,14 +139,10 @@ Result<void> StandaloneDevice::State::record(const std::function<void(VkCommandB
       !begun) {
     return begun;
   }
-  if (family.timestamp_mask != 0) {
-    vkCmdResetQueryPool(commands, timestamps.get(), 0, 2);
-    vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, timestamps.get(), 0);
-  }
+  timestamps.record_reset(commands);
+  timestamps.record_mark(commands, 0);
   record_commands(commands);
-  if (family.timestamp_mask != 0) {
-    vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, timestamps.get(), 1);
-  }
+  timestamps.record_mark(commands, 1);
   return check_vulkan(vkEndCommandBuffer(commands), "ending a command buffer");
 }
 
@@ -179,16 +160,6 @@ Result<void> StandaloneDevice::State::wait(double timeout_seconds) {
   return check_vulkan(vkResetFences(device.get(), 1, &done), "resetting a fence");
 }
 
-double StandaloneDevice::State::gpu_seconds() const {
-  if (family.timestamp_mask == 0) return 0.0;
-  std::uint64_t ticks[2] = {};
-  const VkResult result = vkGetQueryPoolResults(device.get(), timestamps.get(), 0, 2, sizeof ticks, ticks,
-                                                sizeof ticks[0], VK_QUERY_RESULT_64_BIT);
-  if (result != VK_SUCCESS) return 0.0;
-  return static_cast<double>((ticks[1] - ticks[0]) & family.timestamp_mask) *
-         properties.limits.timestampPeriod * 1e-9;
-}
-
 StandaloneDevice::StandaloneDevice(std::unique_ptr<State> state) : state_(std::move(state)) {}
 StandaloneDevice::StandaloneDevice(StandaloneDevice&&) noexcept = default;
 StandaloneDevice& StandaloneDevice::operator=(StandaloneDevice&&) noexcept = default;
@@ -201,8 +172,8 @@ Result<StandaloneDevice> StandaloneDevice::create(const StandaloneOptions& optio
   if (!instance) return tl::unexpected<Error>(instance.error());
   const auto physical_device = choose_physical_device(instance->get(), options.device_name);
   if (!physical_device) return tl::unexpected<Error>(physical_device.error());
-  const QueueFamily family = compute_family(*physical_device);
-  auto device = create_device(*physical_device, family.index);
+  const std::uint32_t family = compute_family(*physical_device);
+  auto device = create_device(*physical_device, family);
   if (!device) return tl::unexpected<Error>(device.error());
 
   auto state = std::make_unique<State>(std::move(log), std::move(*instance), *physical_device);
@@ -228,7 +199,7 @@ VkPhysicalDeviceType StandaloneDevice::type() const {
 }
 
 std::uint32_t StandaloneDevice::queue_family() const {
-  return state_->family.index;
+  return state_->family;
 }
 
 const VkPhysicalDeviceMemoryProperties& StandaloneDevice::memory_properties() const {
@@ -257,7 +228,7 @@ Result<SubmitTimes> StandaloneDevice::submit(const std::function<void(VkCommandB
     return tl::unexpected<Error>(vulkan_error(submitted, "submitting to the device '" + state_->name + "'"));
   }
   if (auto waited = state_->wait(timeout_seconds); !waited) return tl::unexpected<Error>(waited.error());
-  return SubmitTimes{seconds_since(start), state_->gpu_seconds()};
+  return SubmitTimes{seconds_since(start), state_->timestamps.seconds()[0]};
 }
 
 }  // namespace relume

@@ -7,11 +7,15 @@
 #include <cstring>
 #include <utility>
 
+#include "compute/device_fixture.h"
+#include "compute/vulkan_info.h"
+
 namespace relume::test {
 namespace {
 
 constexpr std::byte kGuard{0xff};
 constexpr VkDeviceSize kGap = 512;
+constexpr VkDeviceSize kPlacement = 256;  ///< that buffers of their own need
 
 VKAPI_ATTR void VKAPI_CALL no_barrier(VkCommandBuffer, VkPipelineStageFlags, VkPipelineStageFlags,
                                       VkDependencyFlags, std::uint32_t, const VkMemoryBarrier*, std::uint32_t,
@@ -20,28 +24,6 @@ VKAPI_ATTR void VKAPI_CALL no_barrier(VkCommandBuffer, VkPipelineStageFlags, VkP
 
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_without_barriers(VkDevice device, const char* name) {
   if (std::strcmp(name, "vkCmdPipelineBarrier") == 0) return reinterpret_cast<PFN_vkVoidFunction>(no_barrier);
-  return vkGetDeviceProcAddr(device, name);
-}
-
-VKAPI_ATTR void VKAPI_CALL write_short_ranges(VkDevice device, std::uint32_t count,
-                                              const VkWriteDescriptorSet* writes, std::uint32_t,
-                                              const VkCopyDescriptorSet*) {
-  for (std::uint32_t i = 0; i < count; ++i) {
-    VkWriteDescriptorSet write = writes[i];
-    std::vector<VkDescriptorBufferInfo> buffers;
-    if (write.pBufferInfo != nullptr) {
-      buffers.assign(write.pBufferInfo, write.pBufferInfo + write.descriptorCount);
-      for (VkDescriptorBufferInfo& buffer : buffers) buffer.range = 16;
-      write.pBufferInfo = buffers.data();
-    }
-    vkUpdateDescriptorSets(device, 1, &write, 0, nullptr);
-  }
-}
-
-VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_of_short_ranges(VkDevice device, const char* name) {
-  if (std::strcmp(name, "vkUpdateDescriptorSets") == 0) {
-    return reinterpret_cast<PFN_vkVoidFunction>(write_short_ranges);
-  }
   return vkGetDeviceProcAddr(device, name);
 }
 
@@ -72,7 +54,7 @@ PFN_vkVoidFunction replace(const char* replaced, Function replacement, VkInstanc
 }  // namespace
 
 GuardedMemory::GuardedMemory(const StandaloneDevice& device, VkDeviceSize byte_size, VkBufferUsageFlags usage)
-    : usage_(usage) {
+    : device_(device.host().device), usage_(usage) {
   auto made = make_device_buffer(device, byte_size, usage, MemoryKind::readback);
   if (!made) return;
   buffer_ = std::move(*made);
@@ -80,26 +62,54 @@ GuardedMemory::GuardedMemory(const StandaloneDevice& device, VkDeviceSize byte_s
 }
 
 Result<BufferRange> GuardedMemory::allocate(const BufferRequirement& requirement) {
+  const VkDeviceSize alignment = std::max(requirement.alignment, kPlacement);
   VkDeviceSize end = 0;
-  auto place = ranges_.begin();
-  const auto offset = [&] {
-    return (end + kGap + requirement.alignment - 1) / requirement.alignment * requirement.alignment;
-  };
-  for (; place != ranges_.end() && offset() + requirement.byte_size + kGap > place->offset; ++place)
-    end = place->offset + place->byte_size;
+  auto next = places_.begin();
+  const auto offset = [&] { return (end + kGap + alignment - 1) / alignment * alignment; };
+  for (; next != places_.end() && offset() + requirement.byte_size + kGap > next->offset; ++next)
+    end = next->offset + next->byte_size;
   if ((requirement.usage & ~usage_) != 0 || offset() + requirement.byte_size + kGap > buffer_.byte_size) {
     return fail(ErrorCode::out_of_memory, "the fake host has no memory for '" + requirement.name + "'");
   }
-  return *ranges_.insert(place, {buffer_.buffer.get(), offset(), requirement.byte_size});
+  Place place{offset(), requirement.byte_size, {}};
+  BufferRange range{buffer_.buffer.get(), place.offset, place.byte_size};
+  if (kGpuAssisted) {
+    place.buffer = buffer_at(place.offset, place.byte_size);
+    range = {place.buffer.get(), 0, place.byte_size};
+  }
+  places_.insert(next, std::move(place));
+  return range;
+}
+
+VulkanHandle<VkBuffer> GuardedMemory::buffer_at(VkDeviceSize offset, VkDeviceSize byte_size) const {
+  auto info = vulkan_info<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
+  info.size = byte_size;
+  info.usage = usage_;
+  VkBuffer buffer = VK_NULL_HANDLE;
+  EXPECT_EQ(vkCreateBuffer(device_, &info, nullptr, &buffer), VK_SUCCESS);
+  VkMemoryRequirements needed{};
+  vkGetBufferMemoryRequirements(device_, buffer, &needed);
+  EXPECT_EQ(offset % needed.alignment, 0u);
+  EXPECT_EQ(vkBindBufferMemory(device_, buffer, buffer_.memory.get(), offset), VK_SUCCESS);
+  return {device_, buffer, vkDestroyBuffer, nullptr};
+}
+
+VkDeviceSize GuardedMemory::offset_of(const BufferRange& range) const {
+  for (const Place& place : places_) {
+    if (place.buffer.get() != VK_NULL_HANDLE && place.buffer.get() == range.buffer)
+      return place.offset + range.offset;
+  }
+  return range.offset;
 }
 
 void GuardedMemory::release(const BufferRange& range) {
-  std::erase_if(ranges_, [&](const BufferRange& other) { return other.offset == range.offset; });
-  std::fill_n(buffer_.mapped + range.offset, range.byte_size, kGuard);
+  const VkDeviceSize offset = offset_of(range);
+  std::erase_if(places_, [&](const Place& place) { return place.offset == offset; });
+  std::fill_n(buffer_.mapped + offset, range.byte_size, kGuard);
 }
 
 std::span<const std::byte> GuardedMemory::bytes(const BufferRange& range) const {
-  return {buffer_.mapped + range.offset, range.byte_size};
+  return {buffer_.mapped + offset_of(range), range.byte_size};
 }
 
 std::vector<Rgb> GuardedMemory::read_rgb(const BufferRange& range) const {
@@ -119,9 +129,9 @@ std::size_t GuardedMemory::damaged_bytes() const {
     damaged += static_cast<std::size_t>(std::count_if(buffer_.mapped + begin, buffer_.mapped + end,
                                                       [](std::byte byte) { return byte != kGuard; }));
   };
-  for (const BufferRange& range : ranges_) {
-    count(range.offset);
-    begin = range.offset + range.byte_size;
+  for (const Place& place : places_) {
+    count(place.offset);
+    begin = place.offset + place.byte_size;
   }
   count(buffer_.byte_size);
   return damaged;
@@ -129,7 +139,7 @@ std::size_t GuardedMemory::damaged_bytes() const {
 
 VkDeviceSize GuardedMemory::handed_out() const {
   VkDeviceSize sum = 0;
-  for (const BufferRange& range : ranges_) sum += range.byte_size;
+  for (const Place& place : places_) sum += place.byte_size;
   return sum;
 }
 
@@ -173,10 +183,6 @@ void CountingCallbacks::release(void* self, void* memory) {
 
 PFN_vkVoidFunction get_proc_addr_without_barriers(VkInstance instance, const char* name) {
   return replace("vkGetDeviceProcAddr", device_without_barriers, instance, name);
-}
-
-PFN_vkVoidFunction get_proc_addr_of_short_ranges(VkInstance instance, const char* name) {
-  return replace("vkGetDeviceProcAddr", device_of_short_ranges, instance, name);
 }
 
 PFN_vkVoidFunction get_proc_addr_without_fill(VkInstance instance, const char* name) {

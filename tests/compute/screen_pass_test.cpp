@@ -10,7 +10,6 @@
 #include "compute/host_image.h"
 #include "compute/pass_fixture.h"
 #include "compute/test_models.h"
-#include "compute/vulkan_info.h"
 #include "scene/surface_color.h"
 #include "support/quad_model.h"
 
@@ -97,22 +96,13 @@ class ScreenPassTest : public PassTest {
 
     HostImage image(device(), {format, size, VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
     image.upload(device(), std::as_bytes(std::span(texels)), kImageSampled);
-    const VulkanHandle<VkSampler> sampler = nearest_sampler();
+    const VulkanHandle<VkSampler> sampler = nearest_sampler(device());
     const auto number = pass->add_image({image.view(format, VK_IMAGE_USAGE_SAMPLED_BIT), sampler.get()});
     EXPECT_TRUE(number) << number.error().message;
     EXPECT_TRUE(device().submit([&](VkCommandBuffer commands) { pass->record(commands, *number, factor); }));
     const bool albedo = options.target == ScreenTarget::albedo;
     for (const Rgb& other : read_rgb(albedo ? colors.exitance : colors.albedo)) EXPECT_EQ(other, Rgb(-1.0));
     return read_rgb(albedo ? colors.albedo : colors.exitance);
-  }
-
- private:
-  VulkanHandle<VkSampler> nearest_sampler() {
-    auto info = vulkan_info<VkSamplerCreateInfo>(VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO);
-    VkSampler sampler = VK_NULL_HANDLE;
-    const VkDevice owner = device().host().device;
-    EXPECT_EQ(vkCreateSampler(owner, &info, nullptr, &sampler), VK_SUCCESS);
-    return {owner, sampler, vkDestroySampler, nullptr};
   }
 };
 

@@ -1,6 +1,6 @@
 # cmake -DBUILD_DIR= -DWORK_DIR= -DCONSUMER_DIR= -DMAKE_SCENE= -DGENERATOR= -P package_test.cmake
 # Installs BUILD_DIR into an empty prefix, then configures, builds and runs the consumers (C++ and C) against it, with and without the
-# precompute. The one in C renders models that the installed program made.
+# precompute. Both light models that the installed program made.
 file(REMOVE_RECURSE ${WORK_DIR})
 
 function(run)
@@ -21,6 +21,6 @@ foreach(components "core\;compute" "core\;scene\;precompute\;compute\;standalone
   run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${CONSUMER_DIR} -B ${WORK_DIR}/${name} -DCMAKE_BUILD_TYPE=Release
       -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix "-DRELUME_COMPONENTS=${components}")
   run(${CMAKE_COMMAND} --build ${WORK_DIR}/${name})
-  run(${WORK_DIR}/${name}/consumer)
+  run(${WORK_DIR}/${name}/consumer ${WORK_DIR}/scene.relume)
   run(${WORK_DIR}/${name}/c_renderer ${WORK_DIR}/scene.relume ${WORK_DIR}/squares.relume)
 endforeach()

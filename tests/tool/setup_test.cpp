@@ -11,7 +11,7 @@ const std::string kScript = RELUME_SOURCE_DIR "/setup.sh";
 
 TEST(Setup, WithoutAptSaysWhatIsMissing) {
   const std::string empty = fresh_folder();
-  for (const std::string command : {"demo", "test"}) {
+  for (const std::string command : {"demo", "day", "test"}) {
     const Finished finished = run_command({"/bin/bash", kScript, command}, {"PATH=" + empty});
     EXPECT_EQ(finished.status, 2);
     for (const char* package : {"cmake", "ninja-build", "libembree-dev", "libtinygltf-dev",
