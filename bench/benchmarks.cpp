@@ -5,10 +5,10 @@
 
 #include <array>
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <string>
 #include <system_error>
 
+#include "measure/converged_answer.h"
 #include "scene/generate_scene.h"
 #include "scene/load_scene.h"
 #include "scene/write_glb.h"
@@ -45,15 +45,6 @@ Result<Scene> generated_room() {
 }
 
 }  // namespace
-
-double area_of(const Scene& scene) {
-  double area = 0.0;
-  for (const auto& t : scene.triangles) {
-    const auto& p = scene.vertices.positions;
-    area += 0.5 * glm::length(glm::cross(p[t[1]] - p[t[0]], p[t[2]] - p[t[0]]));
-  }
-  return area;
-}
 
 std::span<const Benchmark> benchmarks() {
   return kBenchmarks;

@@ -56,7 +56,6 @@ Measurements tracking(const BenchmarkOptions& options);
 
 /// The scene of `options`, and its precompute options.
 Result<Scene> benchmark_scene(const BenchmarkOptions& options);
-double area_of(const Scene& scene);  ///< m2
 PrecomputeOptions precompute_options(const BenchmarkOptions& options, const Scene& scene);
 
 /// A model of the scene with the error target of `options`.

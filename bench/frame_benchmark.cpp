@@ -10,7 +10,7 @@
 #include "core/model_file.h"
 #include "core/sky.h"
 #include "frames.h"
-#include "test_lights.h"
+#include "measure/test_lights.h"
 
 namespace relume::bench {
 namespace {

@@ -8,13 +8,6 @@
 
 namespace relume::bench {
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-}
-
 std::string as_table(std::span<const Measurement> measurements) {
   std::string text = fmt::format("{:<22} {:<46} {:>12} {:>12} {:>12} {:>3}  {}\n", "benchmark", "name",
                                  "median", "min", "max", "n", "unit");

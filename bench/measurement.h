@@ -3,10 +3,11 @@
 // What a benchmark measured, and how it is printed.
 #pragma once
 
-#include <chrono>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "measure/statistics.h"
 
 namespace relume::bench {
 
@@ -16,16 +17,6 @@ struct Measurement {
   std::string unit;
   std::vector<double> values;  ///< one per repetition; a single one for facts
 };
-
-double median(std::vector<double> values);
-
-/// Seconds that `work` takes.
-template <class Work>
-double seconds_of(Work&& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// Median, smallest and largest of each, aligned for a reader.
 std::string as_table(std::span<const Measurement> measurements);

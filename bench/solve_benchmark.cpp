@@ -7,7 +7,6 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <deque>
 #include <functional>
 #include <numeric>
@@ -16,8 +15,8 @@
 #include "compute/row_kernels.h"
 #include "compute/standalone/solver_session.h"
 #include "compute/standalone/tune_row_kernel.h"
-#include "core/compare.h"
-#include "core/reference_solver.h"
+#include "measure/device_check.h"
+#include "measure/recoded.h"
 
 namespace relume::bench {
 namespace {
@@ -43,23 +42,7 @@ double read_bandwidth() {
   return sum == data.size() ? double(data.size() * sizeof(std::uint32_t)) / seconds : 0.0;
 }
 
-const char* codec_name(ValueCodec codec) {
-  if (codec == ValueCodec::f32) return "f32";
-  return codec == ValueCodec::unorm16 ? "unorm16" : "sqrt8";
-}
-
-struct Variant {
-  RowKernel kernel;
-  MatrixFetch fetch;
-  ValueCodec codec;
-  std::uint32_t tile_rows;
-};
-
-std::string name_of(const Variant& variant) {
-  return fmt::format("{}, {}, {}, {}", variant.tile_rows == 8 ? "tiles" : "CSR",
-                     row_kernel_name(variant.kernel),
-                     variant.fetch == MatrixFetch::texels ? "texels" : "storage", codec_name(variant.codec));
-}
+using Variant = KernelVariant;
 
 /// The first is plain CSR.
 std::vector<Variant> variants(const StandaloneDevice& device) {
@@ -76,41 +59,6 @@ std::vector<Variant> variants(const StandaloneDevice& device) {
     }
   }
   return all;
-}
-
-/// A matrix of f32 in tiles of eight, in another codec, in tiles or row by row.
-BlockMatrix recoded(const BlockMatrix& matrix, ValueCodec codec, std::uint32_t tile_rows) {
-  BlockMatrixBuilder builder(matrix.columns, codec);
-  for (const MatrixBlock& block : matrix.blocks) {
-    std::vector<float> stored(block.values.size() / sizeof(float));
-    std::memcpy(stored.data(), block.values.data(), block.values.size());
-    for (std::uint32_t row = 0; row < block.row_count; row += block.tile_rows) {
-      const std::uint32_t tile = row / block.tile_rows, begin = block.tile_offsets[tile];
-      const std::uint32_t length = block.tile_offsets[tile + 1] - begin;
-      const std::uint32_t rows = std::min(block.tile_rows, block.row_count - row);
-      const std::span columns(block.columns.data() + begin, length);
-      std::vector<double> values;
-      for (std::uint32_t r = 0; r < rows; ++r) {
-        for (std::uint32_t c = 0; c < length; ++c)
-          values.push_back(double{stored[(begin + c) * block.tile_rows + r]} * block.row_scales[row + r]);
-      }
-      if (tile_rows == 8) {
-        builder.append_tile(columns, values, rows);
-        continue;
-      }
-      for (std::uint32_t r = 0; r < rows; ++r)
-        builder.append_row(columns, std::span(values).subspan(r * length, length));
-    }
-  }
-  return std::move(builder).finish();
-}
-
-Model recoded(Model model, ValueCodec codec, std::uint32_t tile_rows) {
-  for (System& system : model.systems) {
-    system.bounce = recoded(system.bounce, codec, tile_rows);
-    system.gather = recoded(system.gather, codec, tile_rows);
-  }
-  return model;
 }
 
 /// Something that does the gather product, and how long each time took.
@@ -132,25 +80,6 @@ Result<double> device_seconds(SolverSession& session) {
         with->gpu_seconds > 0.0 ? with->gpu_seconds - without->gpu_seconds : with->seconds - without->seconds;
   }
   return std::max(seconds / kProductsPerTime, 1e-9);
-}
-
-/// Fails when irradiance on the device is not that of the reference, for the radiosity that the device has.
-Result<void> check_device(SolverSession& session, const Model& model, const Lighting& lighting,
-                          const std::string& name) {
-  if (auto lit = session.light(lighting, {}); !lit) return lit;
-  if (auto ran = session.run({.restart = true, .bounces = 2, .gather = true}); !ran)
-    return tl::unexpected(ran.error());
-  const auto radiosity = session.read_radiosity();
-  if (!radiosity) return tl::unexpected(radiosity.error());
-  const auto irradiance = session.read_irradiance();
-  if (!irradiance) return tl::unexpected(irradiance.error());
-  const auto expected = gather(reference_matrices(model).gather, lighting, *radiosity);
-  const double error = compare("irradiance", *irradiance, expected).max_relative_error;
-  if (!(error <= 1e-5)) {
-    return fail(ErrorCode::check_failed,
-                fmt::format("{}: {} differs from the reference by {}", kName, name, error));
-  }
-  return {};
 }
 
 Result<Candidate> device_candidate(StandaloneDevice& device, const Model& stored, const Lighting& lighting,

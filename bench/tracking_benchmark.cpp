@@ -9,7 +9,7 @@
 #include "benchmarks.h"
 #include "core/reference_solver.h"
 #include "frames.h"
-#include "test_lights.h"
+#include "measure/test_lights.h"
 
 namespace relume::bench {
 namespace {

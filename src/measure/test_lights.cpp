@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "test_lights.h"
+#include "measure/test_lights.h"
 
 #include <fmt/format.h>
 
@@ -16,10 +16,10 @@
 #include "precompute/ray_caster.h"
 #include "precompute/sampling.h"
 
-namespace relume::bench {
+namespace relume {
 namespace {
 
-constexpr const char* kLampName = "bench lamp";
+constexpr const char* kLampName = "test lamp";
 
 /// Points of the scene's surfaces by area, always the same ones.
 class SurfaceDraw {
@@ -75,7 +75,8 @@ double enclosure(const Geometry& geometry, const RayCaster& caster, const glm::v
   int fronts = 0;
   for (int i = 0; i < kDirections; ++i) {
     const double y = 1.0 - (2.0 * i + 1.0) / kDirections, around = 2.399963 * i;
-    const glm::vec3 way(std::sqrt(1.0 - y * y) * std::cos(around), y, std::sqrt(1.0 - y * y) * std::sin(around));
+    const glm::vec3 way(std::sqrt(1.0 - y * y) * std::cos(around), y,
+                        std::sqrt(1.0 - y * y) * std::sin(around));
     std::uint32_t triangle = 0;
     free_distance(geometry, caster, {place, glm::vec3(0.0f)}, way, triangle);
     if (triangle != kNoTriangle && glm::dot(geometry.normals[triangle], way) < 0.0f) ++fronts;
@@ -156,13 +157,14 @@ Result<TestScene> test_scene(Scene scene, std::size_t sensors) {
   const auto caster = make_caster(geometry);
   if (!caster) return tl::unexpected(caster.error());
   SurfaceDraw draw(geometry);
-  result.lights.push_back({"ambient", {}, false, true});
-  result.lights.push_back({"lamp", {}, true, false});
+  result.lights.push_back({"ambient", {}, 0.0, false, true});
+  result.lights.push_back({"lamp", {}, 0.0, true, false});
   const FreePlace lamp = free_place(geometry, *caster, draw);
   for (const LightType type : {LightType::point, LightType::point, LightType::spot}) {
     const FreePlace place = free_place(geometry, *caster, draw);
-    result.lights.push_back(
-        {fmt::format("light {}", result.lights.size()), {light_at(place, geometry.origin, type)}});
+    result.lights.push_back({fmt::format("light {}", result.lights.size()),
+                             {light_at(place, geometry.origin, type)},
+                             double(place.radius)});
   }
   for (std::size_t i = 0; i < sensors; ++i) {
     const SurfacePoint at = draw.next();
@@ -205,4 +207,4 @@ Result<Lighting> test_lighting(const Model& model, const TestLight& light) {
   return lighting;
 }
 
-}  // namespace relume::bench
+}  // namespace relume

@@ -11,13 +11,14 @@
 #include "precompute/precompute.h"
 #include "scene/scene.h"
 
-namespace relume::bench {
+namespace relume {
 
 struct TestLight {
   std::string name;
   std::vector<Light> lights;
-  bool lamp = false;     ///< the lamp that was added shines
-  bool ambient = false;  ///< the sky shines, or all glows where none is seen
+  double clearance = 0.0;  ///< m, from the light to the nearest surface; 0 without lights
+  bool lamp = false;       ///< the lamp that was added shines
+  bool ambient = false;    ///< the sky shines, or all glows where none is seen
 };
 
 /// A scene with a small lamp of its own hung in free space, five lights, and sensors on its surfaces.
@@ -40,4 +41,4 @@ Result<LampPlace> lamp_place(const Scene& scene);
 /// Albedo of the model; light of `light` alone.
 Result<Lighting> test_lighting(const Model& model, const TestLight& light);
 
-}  // namespace relume::bench
+}  // namespace relume
