@@ -225,7 +225,7 @@ Result<void> run(const std::filesystem::path& file, const std::filesystem::path&
   auto device = StandaloneDevice::create({});
   if (!device) return tl::unexpected(device.error());
   FrameSessionOptions options;
-  options.solver.kernel = choose_row_kernel(*device, room->model);
+  options.solver.kernel = default_row_kernel(*device, room->model);
   auto session = FrameSession::create(*device, room->model, options);
   if (!session) return tl::unexpected(session.error());
   OutputFolder folder(output);

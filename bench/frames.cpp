@@ -48,7 +48,7 @@ Result<void> check_lightmap(FrameSession& session, const Model& model, std::uint
 
 FrameSessionOptions frame_options(const StandaloneDevice& device, const Model& model) {
   FrameSessionOptions options;
-  options.solver.kernel = choose_row_kernel(device, model);
+  options.solver.kernel = default_row_kernel(device, model);
   return options;
 }
 

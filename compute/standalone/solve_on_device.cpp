@@ -235,7 +235,7 @@ Result<ContractionBound> bound_on_device(SolverSession& session, const Lighting&
 
 }  // namespace
 
-RowKernel choose_row_kernel(const StandaloneDevice& device, const Model& model) {
+RowKernel default_row_kernel(const StandaloneDevice& device, const Model& model) {
   if (has_tiles(model)) return RowKernel::tile_shared;
   const bool processor = device.type() == VK_PHYSICAL_DEVICE_TYPE_CPU;
   return processor ? RowKernel::row_per_thread : RowKernel::row_per_8_lanes;
@@ -246,7 +246,7 @@ Result<DeviceSolution> solve_on_device(StandaloneDevice& device, const Model& mo
   if (auto checked = check_lighting(model, lighting); !checked) return failed(checked.error());
   DeviceSolution out;
   Stopwatch watch;
-  const RowKernel kernel = options.kernel.value_or(choose_row_kernel(device, model));
+  const RowKernel kernel = options.kernel.value_or(default_row_kernel(device, model));
   auto session =
       SolverSession::create(device, model, {kernel, options.max_dispatch_form_factors, options.fetch},
                             {options.max_submit_form_factors, options.timeout_seconds});

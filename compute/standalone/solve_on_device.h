@@ -15,12 +15,12 @@
 
 namespace relume {
 
-/// What needs no measuring: tile_shared for rows in tiles, which needs no subgroups; else row_per_thread on a
-/// processor, row_per_8_lanes elsewhere.
-RowKernel choose_row_kernel(const StandaloneDevice& device, const Model& model);
+/// tile_shared for rows in tiles, which needs no subgroups; else row_per_thread on a processor,
+/// row_per_8_lanes elsewhere.
+RowKernel default_row_kernel(const StandaloneDevice& device, const Model& model);
 
 struct DeviceSolveOptions {
-  /// Nothing: choose_row_kernel. The result is the same to the bit.
+  /// Nothing: default_row_kernel. The result is the same to the bit.
   std::optional<RowKernel> kernel;
   std::optional<MatrixFetch> fetch{};  ///< see SolverOptions
   std::uint64_t max_dispatch_form_factors = 4'000'000;

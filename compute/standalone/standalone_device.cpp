@@ -194,6 +194,16 @@ const std::string& StandaloneDevice::name() const {
   return state_->name;
 }
 
+std::string StandaloneDevice::driver() const {
+  auto driver =
+      vulkan_info<VkPhysicalDeviceDriverProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES);
+  auto properties = vulkan_info<VkPhysicalDeviceProperties2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2);
+  properties.pNext = &driver;
+  vkGetPhysicalDeviceProperties2(state_->physical_device, &properties);
+  const std::string info = driver.driverInfo;
+  return info.empty() ? std::string(driver.driverName) : driver.driverName + (", " + info);
+}
+
 VkPhysicalDeviceType StandaloneDevice::type() const {
   return state_->properties.deviceType;
 }

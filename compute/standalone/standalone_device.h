@@ -47,6 +47,7 @@ class StandaloneDevice {
   HostDevice host() const;
 
   const std::string& name() const;
+  std::string driver() const;  ///< its name and version, in its own words
   VkPhysicalDeviceType type() const;
   std::uint32_t queue_family() const;
   const VkPhysicalDeviceMemoryProperties& memory_properties() const;

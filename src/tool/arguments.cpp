@@ -154,6 +154,7 @@ class Parser {
     add_compare();
     add_factors();
     add_export();
+    add_chart();
   }
 
   Result<std::variant<ParsedArguments, HelpText>> parse(int count, const char* const* values) {
@@ -313,7 +314,19 @@ class Parser {
         ->allow_extra_args(false);
   }
 
-  CommandArguments chosen() const {
+  void add_chart() {
+    CLI::App& command = add_command("chart", "Speed against error, as charts");
+    ChartOptions& options = chart_.options;
+    add_path(command, "SCENE", "", chart_.scene, "glTF scene (.gltf, .glb)")->required();
+    add_path(command, "-o,--output", "DIR", chart_.output, "Folder for the results")->required();
+    command.add_flag("--quick", options.quick, "Fewer points of a coarser model: a minute or two");
+    add_number(command, "--texel-size", options.texel_size, kLength, "Default: about 40 k lumels, quick 6 k");
+    add_number(command, "--cluster-size", options.cluster_size, kLength, "Default: about 4 k clusters, quick 1 k");
+    add_number(command, "--threads", options.threads, kCount, "Of precomputes (default: all)");
+    add_device(command, chart_device_, false);
+  }
+
+  CommandArguments chosen() {
     const std::string name = app_.get_subcommands().front()->get_name();
     if (name == "precompute") return precompute_;
     if (name == "info") return info_;
@@ -321,6 +334,8 @@ class Parser {
     if (name == "solve") return solve_;
     if (name == "compare") return compare_;
     if (name == "factors") return factors_;
+    chart_.options.device_name = chart_device_.device_name;
+    if (name == "chart") return chart_;
     return export_;
   }
 
@@ -334,6 +349,8 @@ class Parser {
   CompareArguments compare_;
   FactorsArguments factors_;
   ExportArguments export_;
+  ChartArguments chart_;
+  SolverChoice chart_device_;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <string>
 #include <variant>
 
+#include "tool/chart_command.h"
 #include "tool/compare_command.h"
 #include "tool/console.h"
 #include "tool/export_command.h"
@@ -18,7 +19,7 @@
 namespace relume {
 
 using CommandArguments = std::variant<PrecomputeArguments, InfoArguments, CheckArguments, SolveArguments,
-                                      CompareArguments, FactorsArguments, ExportArguments>;
+                                      CompareArguments, FactorsArguments, ExportArguments, ChartArguments>;
 
 struct ParsedArguments {
   CommandArguments command;

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+//
+// What was measured, as charts and as tables.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tool/chart/chart_data.h"
+#include "tool/chart/picture.h"
+
+namespace relume {
+
+/// A chart and its numbers as CSV, header first.
+struct ChartAndTable {
+  Chart chart;
+  std::string csv;
+};
+
+/// relight, tracking, precompute, products, causes, bytes.
+std::vector<ChartAndTable> make_charts(const ChartData& data);
+
+/// Of a relighting: "budget 64".
+std::string name_of(const RelightPoint& point);
+
+/// Points that are on the front of milliseconds and error, by ascending time.
+std::vector<RelightPoint> front_of(const ChartData& data);
+
+}  // namespace relume
