@@ -14,6 +14,18 @@
 namespace relume {
 namespace {
 
+/// Charts that cannot be written later should not be measured first.
+Result<void> check_output(const std::filesystem::path& output) {
+  std::error_code code;
+  std::filesystem::path existing = std::filesystem::absolute(output, code);
+  while (!std::filesystem::exists(existing, code) && existing.has_relative_path())
+    existing = existing.parent_path();
+  if (std::filesystem::is_directory(existing, code)) return {};
+  return fail(ErrorCode::bad_input,
+              fmt::format("{}: expected a folder, or a place for one, found that {} is none.",
+                          output.string(), existing.string()));
+}
+
 /// Without folders, which are this machine's own.
 std::string command_line(const ChartArguments& arguments) {
   const ChartOptions& options = arguments.options;
@@ -76,12 +88,14 @@ JsonObject facts_json(const Facts& facts) {
 }  // namespace
 
 Result<int> run(const ChartArguments& arguments, Console& console) {
+  if (const Result<void> ready = check_output(arguments.output); !ready) return tl::unexpected(ready.error());
   Result<Scene> scene = load_scene(arguments.scene);
   if (!scene) return tl::unexpected(scene.error());
   for (const std::string& warning : scene->warnings) console.warn(warning);
+  const ChartPlan plan = make_chart_plan(arguments.options, area_of(*scene));
   Stopwatch watch;
   const std::string load_before = load_text();
-  const auto data = measure_charts(std::move(*scene), arguments.options,
+  const auto data = measure_charts(std::move(*scene), plan, arguments.options.device_name,
                                    [&](double fraction) { console.progress("charts", fraction); });
   console.end_progress();
   if (!data) return tl::unexpected(data.error());

@@ -12,8 +12,8 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const std::vector<std::string> kCommands{"precompute", "info",    "check", "solve",
-                                         "compare",    "factors", "export"};
+const std::vector<std::string> kCommands{"precompute", "info",    "check",  "solve",
+                                         "compare",    "factors", "export", "chart"};
 
 TEST(Arguments, EveryCommandHasHelp) {
   const Finished all = run_relume({"--help"});
@@ -47,6 +47,10 @@ TEST(Arguments, MisuseEndsWithStatus2AndASentence) {
       {{"bake"}, "'bake' is not a command"},
       {{"info"}, "FILE is required"},
       {{"solve", "a.relume"}, "--output is required"},
+      {{"chart", "a.glb"}, "--output is required"},
+      {{"chart", "a.glb", "-o", "d", "--texel-size", "0"},
+       "--texel-size: expected a length above 0 in metres"},
+      {{"chart", "a.glb", "-o", "d", "--device", "reference"}, "expected vulkan[:NAME], found 'reference'"},
       {{"precompute", "a.glb", "-o", "a.relume", "--quality", "0"},
        "--quality: expected a whole number of at least 1, found '0'"},
       {{"precompute", "a.glb", "-o", "a.relume", "--quality", "1.5"}, "found '1.5'"},

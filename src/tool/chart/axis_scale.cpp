@@ -12,8 +12,8 @@ namespace {
 
 /// Room at each end, as a share of what the values span, and the least span.
 constexpr double kRoom = 0.05, kLeastSpan = 0.3;
-/// Up to so many powers of ten, 2 and 5 get numbers too.
-constexpr double kFewDecades = 2.2;
+/// Up to so many powers of ten, 2 and 5 get numbers too; up to so many, all digits.
+constexpr double kFewDecades = 2.2, kOneDecade = 0.8;
 
 }  // namespace
 
@@ -31,7 +31,7 @@ AxisScale::AxisScale(const ChartAxis& axis, const std::vector<double>& values) :
   const double missing = std::max(0.0, (axis.logarithmic ? kLeastSpan : 1e-12) - (high - low));
   const double room = kRoom * (high - low) + 0.5 * missing;
   low_ = low - room, high_ = high + room;
-  if (!axis.logarithmic && low >= 0.0) low_ = 0.0;
+  if (!axis.logarithmic && axis.ticks.empty() && low >= 0.0) low_ = 0.0;
 }
 
 bool AxisScale::shows(double value) const {
@@ -57,13 +57,13 @@ std::vector<AxisTick> AxisScale::ticks() const {
 
 std::vector<AxisTick> AxisScale::logarithmic_ticks() const {
   std::vector<AxisTick> ticks;
-  const bool few = high_ - low_ < kFewDecades;
+  const bool few = high_ - low_ < kFewDecades, one = high_ - low_ < kOneDecade;
   for (int decade = int(std::floor(low_)); decade <= int(std::ceil(high_)); ++decade) {
     for (int digit = 1; digit < 10; ++digit) {
       const double value = digit * std::pow(10.0, decade);
       if (scaled(value) < low_ || scaled(value) > high_) continue;
-      const bool numbered = digit == 1 || (few && (digit == 2 || digit == 5));
-      ticks.push_back({value, numbered ? short_number(value) : ""});
+      const bool numbered = digit == 1 || one || (few && (digit == 2 || digit == 5));
+      ticks.push_back({value, numbered ? fmt::format("{:g}", value) : ""});
     }
   }
   return ticks;
@@ -74,7 +74,7 @@ std::vector<AxisTick> AxisScale::linear_ticks() const {
   const double step = power * (raw / power < 1.5 ? 1.0 : raw / power < 3.5 ? 2.0 : 5.0);
   std::vector<AxisTick> ticks;
   for (double k = std::ceil(low_ / step); k * step <= high_; ++k)
-    ticks.push_back({k * step, short_number(k * step)});
+    ticks.push_back({k * step, fmt::format("{:g}", k * step)});
   return ticks;
 }
 

@@ -24,17 +24,17 @@ std::vector<VariantPlan> centre_variants() {
     all.push_back({"value format", codec_name(codec), {.codec = codec, .tile_rows = 8}});
   const auto add = [&all](const char* axis, const KernelVariant& kernel) {
     const char* fetch = kernel.fetch == MatrixFetch::texels ? "texels" : "storage";
-    const std::string name = fmt::format("{}, {}", row_kernel_name(kernel.kernel), fetch);
-    all.push_back({axis, kernel.tile_rows == 8 ? name : fmt::format("{}, {}", name, codec_name(kernel.codec)),
+    const std::string name = fmt::format("{} {}", row_kernel_name(kernel.kernel), fetch);
+    all.push_back({axis, kernel.tile_rows == 8 ? name : fmt::format("{} {}", name, codec_name(kernel.codec)),
                    kernel, true});
   };
   for (const RowKernel kernel : kRowKernels) {
     for (const MatrixFetch fetch : {MatrixFetch::storage, MatrixFetch::texels})
-      add("kernel, tiles", {kernel, fetch, kCodec, 8});
+      add("kernel (tiles)", {kernel, fetch, kCodec, 8});
   }
   for (const ValueCodec codec : {ValueCodec::f32, kCodec}) {
     for (const MatrixFetch fetch : {MatrixFetch::storage, MatrixFetch::texels})
-      add("kernel, plain CSR", {RowKernel::row_per_thread, fetch, codec, 1});
+      add("kernel (plain CSR)", {RowKernel::row_per_thread, fetch, codec, 1});
   }
   return all;
 }

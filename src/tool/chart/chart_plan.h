@@ -16,7 +16,7 @@ struct ChartOptions {
   double texel_size = 0.0;    ///< m; 0: about 40 k lumels, quick 6 k
   double cluster_size = 0.0;  ///< m, of the centre; 0: about 4 k clusters, quick 1 k
   std::uint32_t threads = 0;  ///< of precomputes; 0 = all
-  std::string device_name;    ///< part of the name of the Vulkan device; empty: any
+  std::string device_name{};  ///< part of the name of the Vulkan device; empty: any
 };
 
 /// A way to store and multiply the matrices of a model.

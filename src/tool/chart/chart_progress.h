@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <utility>
 
@@ -18,21 +19,27 @@ class ChartProgress {
   /// Fails with `cancelled` when interrupted.
   Result<void> did(double seconds) {
     done_ += seconds;
-    show_(done_ / total_);
+    show_further(done_);
     return check_interrupted();
   }
 
   /// For a precompute of so many seconds; did() comes after it.
   ProgressObserver within(double seconds) {
     return [this, seconds](std::string_view stage, double fraction) {
-      if (stage == "rays") show_((done_ + seconds * fraction) / total_);
+      if (stage == "rays" || stage == "sensors") show_further(done_ + seconds * fraction);
       return !interrupted();
     };
   }
 
  private:
+  /// A stage that begins again does not turn the clock back.
+  void show_further(double seconds) {
+    furthest_ = std::max(furthest_, seconds);
+    show_(furthest_ / total_);
+  }
+
   std::function<void(double)> show_;
-  double total_, done_ = 0.0;
+  double total_, done_ = 0.0, furthest_ = 0.0;
 };
 
 }  // namespace relume

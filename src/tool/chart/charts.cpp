@@ -15,8 +15,9 @@ namespace {
 
 constexpr const char* kErrorLabel = "error of indirect irradiance (relative L2 over area), %";
 /// Axes whose points are one curve through the centre.
-const std::vector<std::string> kCurves{"budget", "rays", "cluster size", "value format", "--error"};
-const std::vector<std::string> kClouds{"kernel, tiles", "kernel, plain CSR", "method"};
+constexpr const char* kTargets = "--error";
+const std::vector<std::string> kCurves{"budget", "rays", "cluster size", "value format", kTargets};
+const std::vector<std::string> kClouds{"kernel (tiles)", "kernel (plain CSR)", "method"};
 
 double percent(double share) {
   return 100.0 * share;
@@ -86,7 +87,8 @@ template <class Point>
 ChartSeries curve(const std::vector<Point>& points, const std::string& axis, double (*x)(const Point&)) {
   ChartSeries series{axis, {}};
   for (const Point& point : points) {
-    if (point.axis != axis && point.role != PointRole::centre) continue;
+    const bool joins = point.role == PointRole::centre && axis != kTargets;
+    if (point.axis != axis && !joins) continue;
     series.points.push_back(against_error(point, x(point)));
   }
   std::sort(series.points.begin(), series.points.end(),
@@ -100,9 +102,10 @@ std::vector<ChartSeries> curves(const std::vector<Point>& points, double (*x)(co
   std::vector<ChartSeries> all;
   for (const std::string& axis : kCurves) {
     ChartSeries series = curve(points, axis, x);
-    if (series.points.size() < 2) continue;
+    if (series.points.size() < (axis == kTargets ? 1 : 2)) continue;
     for (ChartPoint& point : series.points) {
-      if (point.label == "centre" && !all.empty()) point.label.clear(), point.chosen = false;
+      point.chosen = point.label == "centre" && all.empty();
+      if (point.label == "centre" && !all.empty()) point.label.clear();
     }
     all.push_back(std::move(series));
   }
@@ -131,9 +134,8 @@ std::string relight_csv(const std::vector<RelightPoint>& points) {
       "form_factors,bytes\n";
   for (const RelightPoint& p : points) {
     const KernelVariant kernel = p.kernel.value_or(KernelVariant{});
-    csv += fmt::format("\"{}\",\"{}\",{},{},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{}\n",
-                       p.axis, p.value, role_name(p.role),
-                       p.kernel ? row_kernel_name(kernel.kernel) : "reference",
+    csv += fmt::format("{},{},{},{},{},{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{}\n", p.axis,
+                       p.value, role_name(p.role), p.kernel ? row_kernel_name(kernel.kernel) : "reference",
                        !p.kernel                             ? ""
                        : kernel.fetch == MatrixFetch::texels ? "texels"
                                                              : "storage",
@@ -155,7 +157,7 @@ ChartAndTable relight_chart(const ChartData& data) {
       "double "
       "precision: they show what a method costs, not what a device could do. The centre is 512 rays, budget "
       "128, "
-      "16-bit values; each curve varies one thing from there.",
+      "16-bit values; each curve varies one thing from there; the front is that of the device.",
       {"milliseconds per converged relight"},
       {kErrorLabel},
       curves(data.relights, time_of)};
@@ -168,7 +170,8 @@ ChartAndTable relight_chart(const ChartData& data) {
     if (!series.points.empty()) chart.series.push_back(std::move(series));
   }
   add_default(data.relights, time_of, chart.series);
-  chart.front = pareto_front(chart.series);
+  for (const RelightPoint& point : front_of(data))
+    chart.front.emplace_back(time_of(point), percent(point.error.all_lights));
   chart.level = doubt(data);
   return {std::move(chart), relight_csv(data.relights)};
 }
@@ -218,11 +221,16 @@ ChartAndTable precompute_chart(const ChartData& data) {
   chart.level = doubt(data);
   std::string csv = "axis,value,role,error,worst_light,s_median,s_min,s_max,runs,rays,form_factors,bytes\n";
   for (const PrecomputePoint& p : data.precomputes) {
-    csv += fmt::format("\"{}\",\"{}\",{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{},{}\n", p.axis, p.value,
+    csv += fmt::format("{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{},{}\n", p.axis, p.value,
                        role_name(p.role), p.error.all_lights, p.error.worst_light, seconds(p),
                        least(p.seconds), most(p.seconds), p.seconds.size(), p.rays, p.form_factors, p.bytes);
   }
   return {std::move(chart), std::move(csv)};
+}
+
+std::string without_commas(std::string text) {
+  std::replace(text.begin(), text.end(), ',', ';');
+  return text;
 }
 
 const char* end_name(MethodEnd end) {
@@ -260,10 +268,48 @@ ChartAndTable products_chart(const ChartData& data) {
     const std::pair<double, std::string> tick{series->points.back().x, fmt::format("{:g}", point.albedo)};
     if (std::find(chart.x.ticks.begin(), chart.x.ticks.end(), tick) == chart.x.ticks.end())
       chart.x.ticks.push_back(tick);
-    csv += fmt::format("\"{}\",{},{},{},\"{}\"\n", point.method, point.albedo, point.products,
-                       end_name(point.end), point.reason);
+    csv += fmt::format("{},{},{},{},{}\n", point.method, point.albedo, point.products, end_name(point.end),
+                       without_commas(point.reason));
   }
   return {std::move(chart), std::move(csv)};
+}
+
+struct Cause {
+  const char* name;
+  double ErrorCauses::*share;
+};
+constexpr Cause kCauses[] = {{"cluster size", &ErrorCauses::clusters},
+                             {"rays", &ErrorCauses::rays},
+                             {"budget (cut)", &ErrorCauses::cut},
+                             {"precision", &ErrorCauses::precision},
+                             {"bounces", &ErrorCauses::bounces}};
+constexpr double kLeastShare = 1e-5;
+
+/// Another place on the x axis, and its points.
+void add_causes(const RelightPoint& point, Chart& chart) {
+  const double x = double(chart.x.ticks.size());
+  chart.x.ticks.emplace_back(
+      x, fmt::format("{}\n{}\n{} ms", point.axis, point.value == point.axis ? "" : point.value,
+                     short_number(time_of(point))));
+  chart.series[0].points.push_back({x, percent(point.error.all_lights), {}, hover(point)});
+  for (std::size_t c = 0; c < std::size(kCauses); ++c) {
+    const double share = (*point.causes).*kCauses[c].share;
+    if (share < kLeastShare) continue;
+    const bool estimated = point.causes->estimated && kCauses[c].share != &ErrorCauses::bounces;
+    chart.series[c + 1].points.push_back(
+        {x,
+         percent(share),
+         {},
+         fmt::format("{}: {} % from {}{}", name_of(point), short_number(percent(share)), kCauses[c].name,
+                     estimated ? " (estimated)" : "")});
+  }
+}
+
+std::string causes_line(const RelightPoint& point) {
+  std::string csv =
+      fmt::format("{},{},{:.6g},{:.6g}", point.axis, point.value, time_of(point), point.error.all_lights);
+  for (const Cause& cause : kCauses) csv += fmt::format(",{:.6g}", (*point.causes).*cause.share);
+  return csv + fmt::format(",{}\n", point.causes->estimated ? "yes" : "no");
 }
 
 ChartAndTable causes_chart(const ChartData& data) {
@@ -275,32 +321,16 @@ ChartAndTable causes_chart(const ChartData& data) {
               "same rays), rays "
               "(two seeds); clusters are what is left. For points named --error the four are what the "
               "precompute itself "
-              "estimated, on the safe side.",
-              {"milliseconds per converged relight"},
+              "estimated, on the safe side. Shares below 0.001 % are in the table alone.",
+              {"points of the front, milliseconds per converged relight", false},
               {"share of the error (relative L2 over area), %"},
-              {}};
-  constexpr double ErrorCauses::*kCauses[] = {&ErrorCauses::clusters, &ErrorCauses::rays, &ErrorCauses::cut,
-                                              &ErrorCauses::precision, &ErrorCauses::bounces};
-  constexpr const char* kNames[] = {"cluster size", "rays", "budget (cut)", "precision", "bounces"};
-  chart.series.push_back({"measured error", {}});
-  for (const char* name : kNames) chart.series.push_back({name, {}});
+              {{"measured error", {}}}};
+  for (const Cause& cause : kCauses) chart.series.push_back({cause.name, {}});
   std::string csv = "axis,value,ms,error,clusters,rays,cut,precision,bounces,estimated\n";
   for (const RelightPoint& point : front_of(data)) {
     if (!point.causes) continue;
-    const double time = time_of(point);
-    chart.series[0].points.push_back({time, percent(point.error.all_lights), name_of(point), hover(point)});
-    csv += fmt::format("\"{}\",\"{}\",{:.6g},{:.6g}", point.axis, point.value, time, point.error.all_lights);
-    for (std::size_t c = 0; c < std::size(kCauses); ++c) {
-      const double share = (*point.causes).*kCauses[c];
-      chart.series[c + 1].points.push_back(
-          {time,
-           percent(share),
-           {},
-           fmt::format("{}: {} % from {}{}", name_of(point), short_number(percent(share)), kNames[c],
-                       point.causes->estimated && c < 4 ? " (estimated)" : "")});
-      csv += fmt::format(",{:.6g}", share);
-    }
-    csv += fmt::format(",{}\n", point.causes->estimated ? "yes" : "no");
+    add_causes(point, chart);
+    csv += causes_line(point);
   }
   return {std::move(chart), std::move(csv)};
 }
@@ -319,7 +349,7 @@ ChartAndTable bytes_chart(const ChartData& data) {
   std::string csv = "axis,value,role,format,bytes,form_factors,error,worst_light\n";
   for (const RelightPoint& p : data.relights) {
     if (!p.kernel || p.axis.starts_with("kernel")) continue;
-    csv += fmt::format("\"{}\",\"{}\",{},{},{},{},{:.6g},{:.6g}\n", p.axis, p.value, role_name(p.role),
+    csv += fmt::format("{},{},{},{},{},{},{:.6g},{:.6g}\n", p.axis, p.value, role_name(p.role),
                        codec_name(p.kernel->codec), p.bytes, p.form_factors, p.error.all_lights,
                        p.error.worst_light);
   }
@@ -334,6 +364,7 @@ std::string name_of(const RelightPoint& point) {
 
 std::vector<RelightPoint> front_of(const ChartData& data) {
   std::vector<RelightPoint> sorted = data.relights, front;
+  std::erase_if(sorted, [](const RelightPoint& point) { return !point.kernel; });
   std::sort(sorted.begin(), sorted.end(), [](const RelightPoint& a, const RelightPoint& b) {
     return std::pair(time_of(a), a.error.all_lights) < std::pair(time_of(b), b.error.all_lights);
   });

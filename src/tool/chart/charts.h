@@ -23,7 +23,7 @@ std::vector<ChartAndTable> make_charts(const ChartData& data);
 /// Of a relighting: "budget 64".
 std::string name_of(const RelightPoint& point);
 
-/// Points that are on the front of milliseconds and error, by ascending time.
+/// Relightings of the device that no other beats in both time and error, by ascending time.
 std::vector<RelightPoint> front_of(const ChartData& data);
 
 }  // namespace relume

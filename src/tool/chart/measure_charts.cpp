@@ -10,10 +10,15 @@
 namespace relume {
 namespace {
 
-constexpr double kAnswerSeconds = 30.0, kMethodsSeconds = 10.0, kTrackingSeconds = 10.0;
+constexpr double kMethodsSeconds = 10.0, kTrackingSeconds = 10.0;
+
+/// Of two precomputes that cast hardly more than the rays of the sensors.
+double answer_seconds(const ChartPlan& plan) {
+  return 2.0 + 2e-7 * double(plan.sensors) * double(plan.answer.sensor_quality);
+}
 
 double guessed_total(const ChartPlan& plan) {
-  double total = kAnswerSeconds + kMethodsSeconds + kTrackingSeconds + kGuessedSecondsOfSplit +
+  double total = answer_seconds(plan) + kMethodsSeconds + kTrackingSeconds + kGuessedSecondsOfSplit +
                  guessed_seconds_of_products(plan);
   for (const ModelPlan& model : plan.models)
     total += plan.precompute_repetitions * guessed_seconds(model.options) + 2.0;
@@ -25,10 +30,9 @@ Result<ChartTest> make_test(Scene scene, const ChartPlan& plan, ChartProgress& p
   if (!made) return tl::unexpected(made.error());
   PrecomputeOptions options;
   options.sensors = made->sensors, options.threads = plan.models.front().options.threads;
-  auto answer =
-      converged_answer(*made, options, plan.answer, [](std::string_view, double) { return !interrupted(); });
+  auto answer = converged_answer(*made, options, plan.answer, progress.within(answer_seconds(plan)));
   if (!answer) return tl::unexpected(answer.error());
-  if (auto go_on = progress.did(kAnswerSeconds); !go_on) return tl::unexpected(go_on.error());
+  if (auto go_on = progress.did(answer_seconds(plan)); !go_on) return tl::unexpected(go_on.error());
   return ChartTest{std::move(*made), std::move(*answer)};
 }
 
@@ -63,11 +67,10 @@ Result<void> measure_models(const ChartPlan& plan, const ChartTest& test, Standa
 
 }  // namespace
 
-Result<ChartData> measure_charts(Scene scene, const ChartOptions& options,
+Result<ChartData> measure_charts(Scene scene, const ChartPlan& plan, const std::string& device_name,
                                  const std::function<void(double)>& show) {
-  auto device = StandaloneDevice::create({.device_name = options.device_name});
+  auto device = StandaloneDevice::create({.device_name = device_name});
   if (!device) return tl::unexpected(device.error());
-  const ChartPlan plan = make_chart_plan(options, area_of(scene));
   ChartProgress progress(show, guessed_total(plan));
   const auto test = make_test(std::move(scene), plan, progress);
   if (!test) return tl::unexpected(test.error());

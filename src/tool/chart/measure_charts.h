@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "scene/scene.h"
 #include "tool/chart/chart_data.h"
@@ -9,9 +10,9 @@
 
 namespace relume {
 
-/// Measures all charts of a scene. `show` gets the share of the work that is done. Fails with no_device
-/// without a Vulkan device, with check_failed when one gives wrong answers.
-Result<ChartData> measure_charts(Scene scene, const ChartOptions& options,
+/// Measures all charts of a scene on the Vulkan device with `device_name` in its name. `show` gets the share
+/// of the work that is done. Fails with no_device without one, with check_failed when it gives wrong answers.
+Result<ChartData> measure_charts(Scene scene, const ChartPlan& plan, const std::string& device_name,
                                  const std::function<void(double)>& show);
 
 }  // namespace relume

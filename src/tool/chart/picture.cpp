@@ -65,6 +65,7 @@ std::string ring(double x, double y) {
 }
 
 std::string text_at(double x, double y, const std::string& text, const std::string& attributes) {
+  if (text.empty()) return "";
   return fmt::format(R"(<text x="{:.1f}" y="{:.1f}" {}>{}</text>)", x, y, attributes, escaped(text)) + "\n";
 }
 
@@ -97,6 +98,20 @@ std::vector<std::string> wrapped(const std::string& text, double width) {
     begin = end + 1;
   }
   return lines;
+}
+
+std::vector<std::string> split_lines(const std::string& text) {
+  std::vector<std::string> lines;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    lines.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return lines;
+}
+
+std::string grid_stroke(const AxisTick& tick) {
+  return tick.text.empty() ? R"(stroke="#f0f0f0")" : R"(stroke="#d8d8d8")";
 }
 
 class Drawing {
@@ -133,43 +148,58 @@ class Drawing {
   }
 
   void draw_grid() {
+    std::size_t lines = 1;
     for (const AxisTick& tick : x_.ticks()) {
       const double x = pixel_x(tick.value);
-      svg_ += line(x, kPlot.top, x, kPlot.bottom,
-                   tick.text.empty() ? R"(stroke="#f0f0f0")" : R"(stroke="#d8d8d8")");
-      if (!tick.text.empty()) svg_ += text_at(x, kPlot.bottom + 17.0, tick.text, R"(text-anchor="middle")");
+      svg_ += line(x, kPlot.top, x, kPlot.bottom, grid_stroke(tick));
+      const std::vector<std::string> parts = split_lines(tick.text);
+      for (std::size_t i = 0; i < parts.size(); ++i)
+        svg_ += text_at(x, kPlot.bottom + 17.0 + 14.0 * double(i), parts[i], R"(text-anchor="middle")");
+      lines = std::max(lines, parts.size());
     }
     for (const AxisTick& tick : y_.ticks()) {
       const double y = pixel_y(tick.value);
-      svg_ += line(kPlot.left, y, kPlot.right, y,
-                   tick.text.empty() ? R"(stroke="#f0f0f0")" : R"(stroke="#d8d8d8")");
-      if (!tick.text.empty()) svg_ += text_at(kPlot.left - 7.0, y + 4.0, tick.text, R"(text-anchor="end")");
+      svg_ += line(kPlot.left, y, kPlot.right, y, grid_stroke(tick));
+      svg_ += text_at(kPlot.left - 7.0, y + 4.0, tick.text, R"(text-anchor="end")");
     }
     svg_ += fmt::format(R"(<rect x="{}" y="{}" width="{}" height="{}" fill="none" stroke="#444"/>)",
                         kPlot.left, kPlot.top, kPlot.right - kPlot.left, kPlot.bottom - kPlot.top) +
             "\n";
-    svg_ += text_at(0.5 * (kPlot.left + kPlot.right), kPlot.bottom + 42.0, chart_.x.label,
-                    R"(text-anchor="middle")");
+    name_axes(kPlot.bottom + (lines > 1 ? 16.0 + 14.0 * double(lines) : 42.0));
+    if (chart_.level) draw_level(*chart_.level);
+  }
+
+  void name_axes(double bottom) {
+    svg_ += text_at(0.5 * (kPlot.left + kPlot.right), bottom, chart_.x.label, R"(text-anchor="middle")");
     const double middle = 0.5 * (kPlot.top + kPlot.bottom);
     svg_ += text_at(20.0, middle, chart_.y.label,
                     fmt::format(R"svg(text-anchor="middle" transform="rotate(-90 20 {})")svg", middle));
-    if (chart_.level) draw_level(*chart_.level);
   }
 
   void draw_level(const ChartLevel& level) {
     const double y = pixel_y(level.y), width = text_width(level.name, kSmallFont);
     svg_ += line(kPlot.left, y, kPlot.right, y, R"(stroke="#666" stroke-dasharray="8 4")");
     labels_.occupy({kPlot.right - width - 4.0, y - 16.0, kPlot.right, y});
-    svg_ += text_at(kPlot.right - 5.0, y - 5.0, level.name,
-                    fmt::format(R"(text-anchor="end" font-size="{}" fill="#444")", kSmallFont));
+    svg_ += text_at(
+        kPlot.right - 5.0, y - 5.0, level.name,
+        fmt::format(
+            R"(text-anchor="end" font-size="{}" fill="#444" stroke="#fff" stroke-width="3" paint-order="stroke")",
+            kSmallFont));
   }
 
-  /// Nothing between two points of the front is reached: it goes by steps.
+  /// Nothing between two points of the front is reached: it goes by steps. Labels keep off it.
   void draw_front() {
     std::string path;
-    for (const auto& [x, y] : chart_.front) {
-      path += path.empty() ? fmt::format("M{:.1f} {:.1f}", pixel_x(x), pixel_y(y))
-                           : fmt::format("H{:.1f}V{:.1f}", pixel_x(x), pixel_y(y));
+    double x = 0.0, y = 0.0;
+    for (const auto& [value_x, value_y] : chart_.front) {
+      const double next_x = pixel_x(value_x), next_y = pixel_y(value_y);
+      path += path.empty() ? fmt::format("M{:.1f} {:.1f}", next_x, next_y)
+                           : fmt::format("H{:.1f}V{:.1f}", next_x, next_y);
+      if (&value_x != &chart_.front.front().first) {
+        labels_.occupy({x, y - 3.0, next_x, y + 3.0});
+        labels_.occupy({next_x - 3.0, y, next_x + 3.0, next_y});
+      }
+      x = next_x, y = next_y;
     }
     if (path.empty()) return;
     svg_ +=
@@ -226,10 +256,11 @@ class Drawing {
     const auto box = labels_.place(pixel_x(point.x), pixel_y(point.y), point.label, kSmallFont);
     if (!box) return;
     const std::string weight = point.chosen ? R"( font-weight="bold")" : "";
-    svg_ +=
-        text_at(0.5 * (box->left + box->right), box->bottom - 3.0, point.label,
-                fmt::format(R"(class="label" text-anchor="middle" font-size="{}" fill="{}"{})", kSmallFont,
-                            color == "#56b4e9" || color == "#e69f00" ? "#333" : color, weight));
+    svg_ += text_at(
+        0.5 * (box->left + box->right), box->bottom - 3.0, point.label,
+        fmt::format(
+            R"(class="label" text-anchor="middle" font-size="{}" fill="{}"{} stroke="#fff" stroke-width="3" paint-order="stroke")",
+            kSmallFont, color == "#56b4e9" || color == "#e69f00" ? "#333" : color, weight));
   }
 
   void draw_legend() {

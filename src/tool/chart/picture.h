@@ -29,7 +29,7 @@ struct ChartSeries {
 struct ChartAxis {
   std::string label;  ///< with its unit
   bool logarithmic = true;
-  std::vector<std::pair<double, std::string>> ticks{};  ///< empty: round numbers
+  std::vector<std::pair<double, std::string>> ticks{};  ///< lines of text; empty: round numbers
 };
 
 /// A dashed line across.

@@ -126,7 +126,7 @@ std::optional<std::uint32_t> least_count(std::uint32_t most,
     if (!failure || high == most) return std::nullopt;
     low = high, high = std::min(2 * high, most);
   }
-  while (high - low > std::max(1u, high / 50)) {
+  while (high - low > std::max(1u, high / 20)) {
     const std::uint32_t middle = low + (high - low) / 2;
     (enough(middle) ? high : low) = middle;
     if (!failure) return std::nullopt;

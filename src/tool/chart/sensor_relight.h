@@ -34,7 +34,7 @@ Result<SensorRelight> relight_sensors(const SensorMatrices& matrices, const std:
 MeasuredError measure_error(const std::vector<std::uint32_t>& rooms, const SensorValues& values,
                             const SensorValues& reference);
 
-/// The least count up to `most` that `is_enough`, found by doubling and bisection to 2 %; nothing when none
+/// The least count up to `most` that `is_enough`, found by doubling and bisection to 5 %; nothing when none
 /// is.
 std::optional<std::uint32_t> least_count(std::uint32_t most,
                                          const std::function<Result<bool>(std::uint32_t)>& is_enough,

@@ -165,7 +165,7 @@ std::vector<NamedSolve> named_solves(const Rooms& rooms) {
       return solve_by(Method(m), problem, rooms, rule);
     });
   }
-  all.emplace_back("cg, check off", [](const BounceProblem& problem, const StopRule& rule) {
+  all.emplace_back("cg unchecked", [](const BounceProblem& problem, const StopRule& rule) {
     return solve_by_conjugate_gradients(problem, rule, {}, 2.0);
   });
   return all;
