@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tool/chart/split_errors.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <utility>

@@ -15,6 +15,7 @@ namespace relume {
 namespace {
 
 constexpr int kTimes = 3;
+constexpr std::uint32_t kMostOnCentre = 500;
 /// The light of the chart of products.
 constexpr std::size_t kProductsLight = 2;
 
@@ -98,10 +99,11 @@ Result<std::optional<RelightPoint>> time_method(Method method, const ChartTest& 
     return measure_error(test.answer.rooms, *values, centre.converged).worst_light <= kConverged;
   };
   Result<void> failure;
-  const auto count = least_count(500, enough, failure);
+  const auto count = least_count(kMostOnCentre, enough, failure);
   if (!count) {
-    data.notes.push_back(fmt::format("{} on the centre: {}", point.value,
-                                     failure ? "not within 500 products" : failure.error().message));
+    data.notes.push_back(fmt::format(
+        "{} on the centre: {}", point.value,
+        failure ? fmt::format("not within {} products", kMostOnCentre) : failure.error().message));
     return std::nullopt;
   }
   point.products = *count;

@@ -26,7 +26,7 @@ class VariantStudy {
     if (plan.own_kernel && !supports_row_kernel(device_.host(), plan.kernel.kernel)) return {};
     const bool as_stored = study_.models.back().plan.options.error > 0.0;
     KernelVariant kernel = plan.kernel;
-    if (as_stored) kernel.codec = model_.systems.front().gather.blocks.front().codec;
+    if (as_stored) kernel.codec = model_.systems.front().bounce.blocks.front().codec;
     const Model variant = as_stored ? model_ : recoded(model_, kernel.codec, kernel.tile_rows);
     if (!plan.own_kernel) kernel.kernel = default_row_kernel(device_, variant);
     const auto relight = relit(kernel.codec, variant);

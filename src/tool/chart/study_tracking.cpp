@@ -35,15 +35,15 @@ std::vector<Rgb> bounced(const SenderMatrix& matrix, const Lighting& lighting, s
   return radiosity;
 }
 
-Result<Ride> make_ride(const ModelStudy& study, const TestLight& light, const SensorMatrices& matrices,
-                       std::uint32_t frames, std::uint32_t frames_per_turn) {
+Result<Ride> make_ride(const Model& model, const Lighting& base, const TestLight& light,
+                       const SensorMatrices& matrices, std::uint32_t frames, std::uint32_t frames_per_turn) {
   Ride ride;
   for (std::uint32_t f = 0; f < frames; ++f) {
     if (auto go_on = check_interrupted(); !go_on) return tl::unexpected(go_on.error());
     const Light moved = placed(light, double(f) / frames_per_turn);
-    auto direct = direct_irradiance(study.centre, {&moved, 1});
+    auto direct = direct_irradiance(model, {&moved, 1});
     if (!direct) return tl::unexpected(direct.error());
-    Lighting lighting = study.centre_lightings[2];
+    Lighting lighting = base;
     lighting.direct = std::move(direct->clusters);
     const std::vector<Rgb> black(lighting.albedo.size(), Rgb(0.0));
     const std::vector<Rgb>& before = f == 0 ? black : ride.exact.back();
@@ -92,10 +92,11 @@ Result<std::vector<TrackingPoint>> track_light(const ChartPlan& plan, const Char
                                   [](const TestLight& one) { return !one.lights.empty(); });
   const auto centre = std::find_if(study.candidates.begin(), study.candidates.end(),
                                    [](const Candidate& one) { return one.point.role == PointRole::centre; });
+  const Lighting& base = study.centre_lightings[std::size_t(light - test.scene.lights.begin())];
   const SensorMatrices matrices = sensor_matrices(study.centre);
   std::vector<TrackingPoint> points;
   for (const std::uint32_t pace : plan.paces) {
-    const auto ride = make_ride(study, *light, matrices, plan.frames, pace);
+    const auto ride = make_ride(study.centre, base, *light, matrices, plan.frames, pace);
     if (!ride) return tl::unexpected(ride.error());
     std::vector<TrackingPoint> made;
     for (const std::uint32_t products : plan.products_per_frame) made.push_back({pace, products, 0.0, {}});
