@@ -41,7 +41,7 @@ struct ChartPlan {
   std::uint32_t precompute_repetitions = 3, relight_repetitions = 15;
   std::vector<double> albedos;
   std::uint32_t most_products = 2000;  ///< of the chart of products
-  double products_clusters = 1000.0;   ///< of its matrix, about
+  double products_clusters = 500.0;    ///< of its matrix, about
   std::vector<std::uint32_t> paces;    ///< frames per turn of the moving light
   std::vector<std::uint32_t> products_per_frame;
   std::uint32_t frames = 40;
