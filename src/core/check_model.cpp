@@ -42,11 +42,13 @@ Result<void> check_all_names(const Model& model) {
   for (const NodeRecord& node : model.nodes) nodes.push_back(node.path);
   for (const System& system : model.systems) systems.push_back(system.name);
   const std::vector<std::string_view> sensors(model.sensor_names.begin(), model.sensor_names.end());
+  const std::vector<std::string_view> probes(model.probe_names.begin(), model.probe_names.end());
   const Provenance& from = model.provenance;
   if (auto checked = check_names("materials", materials, /*unique=*/true); !checked) return checked;
   if (auto checked = check_names("nodes", nodes, /*unique=*/true); !checked) return checked;
   if (auto checked = check_names("systems", systems, /*unique=*/true); !checked) return checked;
   if (auto checked = check_names("sensors", sensors, /*unique=*/false); !checked) return checked;
+  if (auto checked = check_names("probes", probes, /*unique=*/false); !checked) return checked;
   return check_names("provenance", {from.scene_file, from.tool, from.ray_tracer, from.options},
                      /*unique=*/false);
 }

@@ -224,8 +224,8 @@ std::optional<Result<void>> read_model_section(const Section& section, Model& mo
   if (id == kTextureTriangles) return read_array(section, occluders.texture);
   if (id == kBvhNodes) return read_array(section, occluders.bvh.nodes);
   if (id == kBvhTriangles) return read_array(section, occluders.bvh.triangles);
-  if (id != kSensorNames) return std::nullopt;
-  return read_records<std::string>(section, model.sensor_names,
+  if (id != kSensorNames && id != kProbeNames) return std::nullopt;
+  return read_records<std::string>(section, id == kSensorNames ? model.sensor_names : model.probe_names,
                                    [](ByteReader& reader) { return reader.take_string(); });
 }
 
@@ -240,6 +240,8 @@ std::optional<Result<void>> read_system_section(const Section& section, System& 
   if (id == kLumels) return read_array(section, system.lumels);
   if (id == kSensors) return read_array(section, system.sensors);
   if (id == kLiftedSensors) return read_array(section, system.lifted_sensors);
+  if (id == kProbes) return read_array(section, system.probes);
+  if (id == kProbeSenders) return read_array(section, system.probe_senders);
   if (id == kCharts) return read_array(section, system.charts);
   if (id == kTree) return read_array(section, system.tree.nodes);
   if (id == kTreeShares) return read_array(section, system.tree.shares);

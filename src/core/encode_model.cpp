@@ -76,7 +76,7 @@ void add_lights(const std::vector<Light>& lights, SectionWriter& file) {
 }
 
 void add_named_records(const Model& model, SectionWriter& file) {
-  ByteWriter materials, nodes, sensors;
+  ByteWriter materials, nodes, sensors, probes;
   for (const MaterialRecord& material : model.materials) {
     materials.put((material.double_sided ? kMaterialDoubleSided : 0u) |
                   (material.possible_emitter ? kMaterialPossibleEmitter : 0u));
@@ -87,9 +87,11 @@ void add_named_records(const Model& model, SectionWriter& file) {
     nodes.put(node.path);
   }
   for (const std::string& name : model.sensor_names) sensors.put(name);
+  for (const std::string& name : model.probe_names) probes.put(name);
   file.add(kMaterials, kNone, materials.bytes());
   file.add(kNodes, kNone, nodes.bytes());
   file.add(kSensorNames, kNone, sensors.bytes());
+  file.add(kProbeNames, kNone, probes.bytes(), kSectionOptional);
 }
 
 void add_occluders(const Occluders& occluders, SectionWriter& file) {
@@ -137,6 +139,8 @@ void add_system(const System& system, std::uint32_t index, SectionWriter& file) 
   file.add_array(kLumels, index, system.lumels);
   file.add_array(kSensors, index, system.sensors);
   file.add_array(kLiftedSensors, index, system.lifted_sensors);
+  file.add(kProbes, index, std::as_bytes(std::span(system.probes)), kSectionOptional);
+  file.add(kProbeSenders, index, std::as_bytes(std::span(system.probe_senders)), kSectionOptional);
   file.add_array(kCharts, index, system.charts);
   file.add_array(kTree, index, system.tree.nodes);
   file.add_array(kTreeShares, index, system.tree.shares);
@@ -152,7 +156,8 @@ std::size_t likely_bytes(const Model& model) {
                       kPerPosition * model.occluders.positions.size();
   for (const System& system : model.systems) {
     bytes += system.elements.size() * sizeof(SurfaceElement) + system.pieces.size() * sizeof(SurfacePiece) +
-             system.lumels.size() * sizeof(Lumel) + system.clusters.size() * sizeof(Cluster) + kSlack;
+             system.lumels.size() * sizeof(Lumel) + system.clusters.size() * sizeof(Cluster) +
+             system.probes.size() * sizeof(Probe) + system.probe_senders.size() * sizeof(ProbeSender) + kSlack;
     for (const BlockMatrix* matrix : {&system.bounce, &system.gather}) {
       for (const MatrixBlock& block : matrix->blocks) bytes += block_bytes(block) + kSlack / 64;
     }
