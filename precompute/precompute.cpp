@@ -52,6 +52,10 @@ Result<void> check_options(const PrecomputeOptions& options) {
   if (!(options.error >= 0.0 && options.error < 1.0)) {
     return bad(fmt::format("error {}: expected above 0 and below 1 (5% or 0.05)", options.error));
   }
+  if (!(options.probe_spacing >= 0.0) || !std::isfinite(options.probe_spacing)) {
+    return bad(fmt::format("probe spacing {}: expected a length in metres above 0 (or 0 for no grid)",
+                           options.probe_spacing));
+  }
   if (options.quality != 0 && (options.quality < 8 || options.quality > kMaxQuality)) {
     return bad(fmt::format("quality {}: expected 8 to {} rays per lumel", options.quality, kMaxQuality));
   }
@@ -204,14 +208,15 @@ struct Start {
   const Surfaces& surfaces;
   const Preparation& prepared;
   std::vector<SurfacePoint> sensors;  ///< lifted
+  std::vector<ProbePoint> probes;
 };
 
 Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& counts,
                           PrecomputeReport& report, const ProgressObserver& observer) {
-  const auto& [scene, options, caster, surfaces, prepared, sensors] = start;
+  const auto& [scene, options, caster, surfaces, prepared, sensors, probes] = start;
   const auto rays_start = std::chrono::steady_clock::now();
-  auto rows = trace_rows(prepared.rows, surfaces, prepared.senders, sensors, plan, prepared.known(), counts,
-                         observer);
+  auto rows = trace_rows(prepared.rows, surfaces, prepared.senders, sensors, probes, plan, prepared.known(),
+                         counts, observer);
   if (!rows) return tl::unexpected(rows.error());
   report.rays = counts.rays;
   report.occlusion_rays += counts.occlusion_rays;
@@ -233,6 +238,7 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
                          rows->orders,
                          rows->tiles,
                          rows->flux ? &*rows->flux : nullptr,
+                         rows->probes,
                          prepared.emitters,
                          prepared.senders,
                          surfaces.cluster_count()};
@@ -249,9 +255,10 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
   return model;
 }
 
-/// The same with few rows.
-Result<PrecomputeEstimate> estimate_model(const Start& start, RowPlan plan, double seconds_before,
+/// The same with few rows and no probes.
+Result<PrecomputeEstimate> estimate_model(Start start, RowPlan plan, double seconds_before,
                                           const ProgressObserver& observer) {
+  start.probes.clear();
   SampleFacts facts;
   facts.every = sample_every(start.surfaces.cluster_count());
   facts.cut = plan.cut;
@@ -301,7 +308,12 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   report.seconds_surfaces = seconds_since(start);
   follow_target(*surfaces, options, *prepared, counts, plan);
   report.seconds_rays = seconds_since(start) - report.seconds_surfaces;
-  Start rows{scene, options, *caster, *surfaces, *prepared, {}};
+  Start rows{scene, options, *caster, *surfaces, *prepared, {}, options.probes};
+  if (options.probe_spacing > 0.0) {
+    auto grid = probe_grid(surfaces->geometry, options.probe_spacing);
+    if (!grid) return tl::unexpected(grid.error());
+    rows.probes = std::move(*grid);
+  }
   for (const SensorPoint& sensor : options.sensors)
     rows.sensors.push_back(lift_sensor(surfaces->geometry, *caster, sensor.position, sensor.normal));
   if (estimate != nullptr || options.max_memory > 0) {

@@ -26,6 +26,12 @@ struct SensorPoint {
   glm::dvec3 normal{0.0, 1.0, 0.0};
 };
 
+/// A light probe as given: world space.
+struct ProbePoint {
+  std::string name;
+  glm::dvec3 position{0.0};
+};
+
 /// Return false to cancel. `stage` is a human word ("rays"), `fraction` 0..1 of that stage. Called from any
 /// one thread at a time.
 using ProgressObserver = std::function<bool(std::string_view stage, double fraction)>;
@@ -52,6 +58,8 @@ struct PrecomputeOptions {
   std::uint64_t max_memory = 0;  ///< bytes that the process may have; 0: no limit. What is needed is
                                  ///< estimated before the long work, which is then refused (out_of_memory).
   std::vector<SensorPoint> sensors;
+  std::vector<ProbePoint> probes;
+  double probe_spacing = 0.0;  ///< m, above 0: in place of `probes`, a grid of them over the scene's box
 };
 
 /// Estimated errors of indirect irradiance by cause, relative to its root mean square in the room.
@@ -84,7 +92,7 @@ struct PrecomputeReport {
 Result<Model> precompute(const Scene& scene, const PrecomputeOptions& options, PrecomputeReport& report,
                          const ProgressObserver& observer = {});
 
-/// What a precompute will take, extrapolated from a small sample of its rows.
+/// What a precompute will take, extrapolated from a small sample of its rows; light probes are not counted.
 struct PrecomputeEstimate {
   std::uint64_t rows = 0;      ///< of all matrices
   std::uint64_t nonzeros = 0;  ///< form factors

@@ -42,11 +42,29 @@ Result<void> trace_systems(const RowScene& scene, const Surfaces& surfaces,
   return {};
 }
 
+Result<ProbeRows> trace_light_probes(const RowScene& scene, const SenderTree& senders, std::size_t systems,
+                                     std::span<const ProbePoint> points, const RowPlan& plan,
+                                     RowCounts& counts, const ProgressObserver& observer) {
+  auto traced = trace_probes(scene, points, plan.probe_rays, counts, observer);
+  if (!traced) return tl::unexpected(traced.error());
+  ProbeRows probes{{points.begin(), points.end()}, std::move(*traced), {}};
+  std::vector<FormFactorRow> seen(points.size());
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    for (const SeenSender& sender : probes.rows[i].senders) {
+      seen[i].senders.push_back(sender.sender);
+      seen[i].values.push_back(sender.solid_angle);
+    }
+  }
+  probes.systems = systems_of_sensors(senders, systems, seen);
+  return probes;
+}
+
 }  // namespace
 
 Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces, const SenderTree& senders,
-                              std::span<const SurfacePoint> sensors, const RowPlan& plan,
-                              const Probing* probing, RowCounts& counts, const ProgressObserver& observer) {
+                              std::span<const SurfacePoint> sensors, std::span<const ProbePoint> probes,
+                              const RowPlan& plan, const Probing* probing, RowCounts& counts,
+                              const ProgressObserver& observer) {
   TracedRows rows;
   std::optional<CutSenders> cut;
   if (plan.cut) {
@@ -67,6 +85,10 @@ Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces, c
     }
     rows.tiles[s].sensors = cut_rows(*cut, own, {1, {&plan.sensor_cut, 1}});
   }
+  auto probe_rows =
+      trace_light_probes(scene, senders, surfaces.systems.size(), probes, plan, counts, observer);
+  if (!probe_rows) return tl::unexpected(probe_rows.error());
+  rows.probes = std::move(*probe_rows);
   return rows;
 }
 
