@@ -204,6 +204,10 @@ class Parser {
     add_number(command, "--cluster-size", options.cluster_size, kLength, "Default: about 4 k clusters");
     add_number(command, "--texel-size", options.texel_size, kLength, "Default: about 40 k lumels");
     add_path(command, "--sensors", "CSV", precompute_.sensors, "Header id,px,py,pz,nx,ny,nz");
+    command
+        .add_option("--probes", precompute_.probes,
+                    "Light probes: none, a grid of this spacing (m), or a CSV with header id,px,py,pz")
+        ->type_name("none|SPACING|CSV");
     add_choice(
         command, "--values,--codec", {"f32", "unorm16", "sqrt8"},
         [&options](std::size_t k) { options.codec = static_cast<ValueCodec>(k); },

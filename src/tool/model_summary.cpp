@@ -65,6 +65,7 @@ ModelSummary summarise_model(const Model& model) {
     summary.imports += system.imports.size();
     summary.lumels += system.lumels.size();
     summary.sensors += system.sensors.size();
+    summary.probes += system.probes.size();
     for (const Cluster& cluster : system.clusters) summary.area += cluster.area;
     for (const Lumel& lumel : system.lumels) summary.invalid_lumels += (lumel.flags & kLumelInvalid) != 0;
     summary.systems.push_back(system_json(system, bounce, gather));
@@ -108,7 +109,7 @@ JsonObject summary_json(const ModelSummary& summary, std::uint64_t file_bytes) {
           {"lumels", summary.lumels},
           {"invalid_lumels", summary.invalid_lumels},
           {"sensors", summary.sensors},
-          {"probes", 0},
+          {"probes", summary.probes},
           {"sky_patches", summary.sky_patches},
           {"tree_nodes", summary.tree_nodes},
           {"spanning_nodes", summary.spanning_nodes},

@@ -133,6 +133,9 @@ Result<void> make_solve_outputs(const Model& model, const LightingSetup& setup, 
   const Bracket* irradiance_bounds = bracket ? &bracket->irradiance : nullptr;
   folder.add("clusters.csv", clusters_csv(model, setup.lighting, solution.radiosity, radiosity));
   folder.add("sensors.csv", sensors_csv(model, direct, indirect, irradiance_bounds));
+  if (!model.probe_names.empty())
+    folder.add("probes.csv",
+               probes_csv(model, probe_coefficients(model, setup.lighting, solution.radiosity)));
   std::vector<Rgb> irradiance(direct);
   for (std::size_t row = 0; row < irradiance.size(); ++row) irradiance[row] += indirect[row];
   return add_pictures(model, setup, irradiance, folder);
