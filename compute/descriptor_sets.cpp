@@ -81,6 +81,16 @@ void plan_block_sets(const std::vector<BlockLayout>& blocks, std::span<const Buf
   }
 }
 
+SetPlan plan_probe_set(const SystemLayout& layout, std::span<const BufferRange> ranges,
+                       const BufferRange& coefficients, VkDescriptorSet& set) {
+  SetPlan plan{kernels::kBlockSet, &set, {}, {}};
+  for (std::uint32_t i = 0; i < kProbeBuffers; ++i) {
+    plan.bindings.push_back(whole(ranges[layout.first_probe_buffer + i]));
+  }
+  plan.bindings.push_back(whole(coefficients));
+  return plan;
+}
+
 Result<void> make_texel_views(const HostDevice& host, const DeviceFunctions& functions,
                               VkDeviceSize max_texels, std::vector<SetPlan>& plans,
                               std::vector<VulkanHandle<VkBufferView>>& views) {
@@ -103,8 +113,8 @@ Result<VulkanHandle<VkDescriptorPool>> make_pool(const HostDevice& host, const D
                                                  const std::vector<SetPlan>& plans) {
   SetShape bindings;
   for (const SetPlan& plan : plans) {
-    bindings.storage_buffers += static_cast<std::uint32_t>(plan.bindings.size());
-    bindings.texel_buffers += static_cast<std::uint32_t>(plan.texels.size());
+    bindings.storage_buffers += set_shape(plan.layout).storage_buffers;
+    bindings.texel_buffers += set_shape(plan.layout).texel_buffers;
   }
   return make_descriptor_pool(host, functions, static_cast<std::uint32_t>(plans.size()), bindings);
 }
@@ -173,11 +183,13 @@ Result<SolveSets> make_solve_sets(const HostDevice& host, const DeviceFunctions&
 
 Result<SystemSets> make_system_sets(const HostDevice& host, const DeviceFunctions& functions,
                                     const Pipelines& pipelines, const SystemLayout& layout,
-                                    std::span<const BufferRange> ranges, VkDeviceSize max_texels) {
+                                    std::span<const BufferRange> ranges, const BufferRange& coefficients,
+                                    VkDeviceSize max_texels) {
   SystemSets sets;
   std::vector<SetPlan> plans = {plan_system_set(ranges, sets.system)};
   plan_block_sets(layout.bounce, ranges, sets.bounce, plans);
   plan_block_sets(layout.gather, ranges, sets.gather, plans);
+  if (layout.probes > 0) plans.push_back(plan_probe_set(layout, ranges, coefficients, sets.probes));
   if (auto made = make_texel_views(host, functions, max_texels, plans, sets.texel_views); !made) {
     return tl::unexpected<Error>(made.error());
   }

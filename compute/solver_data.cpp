@@ -11,6 +11,7 @@ namespace relume {
 namespace {
 
 static_assert(sizeof(kernels::vec4) == kRgbBytes);
+static_assert(sizeof(ProbeSender) == kernels::kProbeSenderUints * sizeof(kernels::uint));
 
 template <class Element>
 std::span<const std::byte> bytes_of(const std::vector<Element>& elements) {
@@ -69,6 +70,15 @@ void add_stored_lighting(UploadData& data, const System& system) {
   data.add_owned(kWeights, 0, rgb_bytes(std::vector<Rgb>(albedo.size(), Rgb(1.0))));
 }
 
+void add_probes(UploadData& data, const System& system, std::uint32_t first_buffer) {
+  std::vector<kernels::uint> lists;
+  for (const Probe& probe : system.probes) {
+    lists.insert(lists.end(), {probe.first_sender, probe.first_sender + probe.sender_count, probe.name});
+  }
+  data.add_owned(first_buffer + kProbeLists, 0, owned_bytes(lists));
+  data.pieces.push_back({first_buffer + kProbeSenders, 0, bytes_of(system.probe_senders)});
+}
+
 }  // namespace
 
 std::vector<std::byte> rgb_bytes(std::span<const Rgb> values) {
@@ -81,11 +91,12 @@ std::vector<std::byte> rgb_bytes(std::span<const Rgb> values) {
   return owned_bytes(converted);
 }
 
-UploadData sky_upload(const Model& model) {
+UploadData model_upload(const Model& model) {
   UploadData data;
   data.add_owned(kRadiosity, 0, rgb_bytes(std::vector<Rgb>(model.sky_cells.size(), Rgb(0.0))));
   data.add_owned(kSkyNodes, 0, owned_bytes(node_records(model.sky_tree)));
   data.pieces.push_back({kSkyShares, 0, bytes_of(model.sky_tree.shares)});
+  data.add_owned(kProbeCoefficients, 0, std::vector<std::byte>(model.probe_names.size() * kProbeBytes));
   return data;
 }
 
@@ -98,6 +109,7 @@ UploadData system_upload(const Model& model, std::uint32_t index, const SystemLa
   add_stored_lighting(data, system);
   add_blocks(data, system.bounce, layout.bounce);
   add_blocks(data, system.gather, layout.gather);
+  if (layout.probes > 0) add_probes(data, system, layout.first_probe_buffer);
   return data;
 }
 

@@ -18,6 +18,9 @@ static_assert(kImports == kernels::kImportsBinding && kLocalRadiosity == kernels
               kWeights == kernels::kWeightsBinding && kNodes == kernels::kNodesBinding &&
               kNodeShares == kernels::kNodeSharesBinding && kSystemBuffers == kernels::kSystemBindings);
 
+static_assert(kProbeLists == kernels::kProbeListsBinding && kProbeSenders == kernels::kProbeSendersBinding &&
+              kProbeBuffers == kernels::kProbeCoefficientsBinding);
+
 constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
                                       VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                                       VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
@@ -91,6 +94,15 @@ void add_system_buffers(const SystemLayout& layout, BufferList& buffers) {
   buffers.add("node shares", layout.node_leaves * sizeof(float));
 }
 
+/// In the order of ProbeBuffer.
+void add_probe_buffers(const System& system, SystemLayout& layout, BufferList& buffers) {
+  layout.probes = static_cast<std::uint32_t>(system.probes.size());
+  if (layout.probes == 0) return;
+  layout.first_probe_buffer =
+      buffers.add("probes", VkDeviceSize{layout.probes} * kernels::kProbeListUints * sizeof(std::uint32_t));
+  buffers.add("probe senders", system.probe_senders.size() * sizeof(ProbeSender));
+}
+
 /// In the order of SolveBuffer.
 void add_solve_buffers(const SolverLayout& layout, BufferList& buffers) {
   buffers.add("radiosity", (layout.sky_senders() + 2 * VkDeviceSize{layout.sender_capacity}) * kRgbBytes);
@@ -98,6 +110,7 @@ void add_solve_buffers(const SolverLayout& layout, BufferList& buffers) {
   buffers.add("residuals", layout.systems * sizeof(kernels::ResidualRecord));
   buffers.add("sky nodes", layout.sky_nodes * sizeof(kernels::uvec4));
   buffers.add("sky node shares", layout.sky_node_leaves * sizeof(float));
+  buffers.add("probe coefficients", layout.probes * kProbeBytes);
 }
 
 Result<void> check_sizes(const std::vector<BufferRequirement>& buffers, VkDeviceSize max_range) {
@@ -130,6 +143,7 @@ Result<SolverLayout> solver_layout(const Model& model, std::uint32_t sender_capa
   layout.sky_patches = count(model.sky_cells.size());
   layout.sky_nodes = count(model.sky_tree.nodes.size());
   layout.sky_node_leaves = count(model.sky_tree.shares.size());
+  layout.probes = count(model.probe_names.size());
   layout.sender_capacity = sender_capacity;
   BufferList buffers(layout.buffers, "", limits.alignment);
   add_solve_buffers(layout, buffers);
@@ -154,6 +168,7 @@ Result<SystemLayout> system_layout(const Model& model, std::uint32_t index, cons
   add_system_buffers(layout, buffers);
   layout.bounce = matrix_layout(system.bounce, "bounce", limits.alignment, buffers);
   layout.gather = matrix_layout(system.gather, "gather", limits.alignment, buffers);
+  add_probe_buffers(system, layout, buffers);
   if (auto checked = check_sizes(layout.buffers, limits.max_range); !checked) {
     return tl::unexpected<Error>(checked.error());
   }

@@ -30,6 +30,7 @@ enum SolveBuffer : std::uint32_t {
   kResiduals,
   kSkyNodes,
   kSkyShares,
+  kProbeCoefficients,
   kSolveBuffers
 };
 
@@ -46,6 +47,10 @@ enum SystemBuffer : std::uint32_t {
   kNodeShares,
   kSystemBuffers,
 };
+
+/// Buffers of the light probes of a system, which follow all others: the first bindings of kBlockSet for
+/// them, in their order.
+enum ProbeBuffer : std::uint32_t { kProbeLists, kProbeSenders, kProbeBuffers };
 
 /// A part of a buffer.
 struct Section {
@@ -71,6 +76,8 @@ struct SystemLayout {
   std::vector<BufferRequirement> buffers;
   std::vector<BlockLayout> bounce;
   std::vector<BlockLayout> gather;
+  std::uint32_t probes = 0;
+  std::uint32_t first_probe_buffer = 0;  ///< number of its kProbeLists, where there are probes
 
   /// Of one half of its radiosity.
   std::uint32_t senders() const { return clusters + nodes; }
@@ -81,6 +88,7 @@ struct SolverLayout {
   std::uint32_t sky_patches = 0;
   std::uint32_t sky_nodes = 0;
   std::uint32_t sky_node_leaves = 0;  ///< of all nodes together
+  std::uint32_t probes = 0;           ///< of all systems
   std::uint32_t sender_capacity = 0;  ///< senders of all systems that are loaded at a time, in one half
   std::vector<BufferRequirement> buffers;
 
@@ -90,6 +98,9 @@ struct SolverLayout {
 
 /// Bytes of an RGB quantity per element on the device (vec4).
 inline constexpr VkDeviceSize kRgbBytes = 16;
+
+/// Bytes of the coefficients of a probe.
+inline constexpr VkDeviceSize kProbeBytes = kernels::kProbeHarmonics * kRgbBytes;
 
 /// Senders of the systems that are loaded in `model`.
 std::uint32_t loaded_senders(const Model& model);

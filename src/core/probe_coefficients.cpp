@@ -2,6 +2,7 @@
 #include "core/probe_coefficients.h"
 
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "core/quantities.h"
@@ -45,13 +46,12 @@ std::vector<ProbeCoefficients> probe_coefficients(const Model& model, const Ligh
   const LeafNumbers numbers(model);
   std::vector<Rgb> leaves = radiosity;
   leaves.insert(leaves.end(), lighting.sky_radiosity.begin(), lighting.sky_radiosity.end());
-  std::vector<ProbeCoefficients> all;
+  std::vector<ProbeCoefficients> all(model.probe_names.size(), ProbeCoefficients{});
   for (const System& system : model.systems) {
     if (system.probes.empty()) continue;
     const std::vector<Rgb> imports = import_radiosity(system, numbers, leaves);
     for (const Probe& probe : system.probes) {
-      ProbeCoefficients& sums = all.emplace_back();
-      sums.fill(Rgb(0.0));
+      ProbeCoefficients& sums = all[probe.name];
       for (std::uint32_t k = probe.first_sender; k < probe.first_sender + probe.sender_count; ++k) {
         const ProbeSender& sender = system.probe_senders[k];
         const Rgb arriving = double(sender.solid_angle) * radiance_from_radiosity(imports[sender.column]);
@@ -61,6 +61,30 @@ std::vector<ProbeCoefficients> probe_coefficients(const Model& model, const Ligh
     }
   }
   return all;
+}
+
+Rgb probe_irradiance(std::span<const ProbeCoefficients> probes, const WeightedProbes& at,
+                     const glm::dvec3& normal) {
+  const Harmonics y = mean_harmonics(normal);
+  Rgb sum(0.0);
+  for (std::size_t c = 0; c < at.probes.size(); ++c) {
+    if (!(at.weights[c] > 0.0f)) continue;
+    const ProbeCoefficients& probe = probes[at.probes[c]];
+    for (std::size_t h = 0; h < kProbeHarmonics; ++h) {
+      const double lobe = h == 0 ? 1.0 : h < 4 ? 2.0 / 3.0 : 0.25;
+      sum += double(at.weights[c]) * kPi * lobe * y[h] * probe[h];
+    }
+  }
+  return glm::max(sum, Rgb(0.0));
+}
+
+FlatCoefficients flat_coefficients(const std::vector<ProbeCoefficients>& probes) {
+  FlatCoefficients flat;
+  for (const ProbeCoefficients& probe : probes) {
+    flat.values.insert(flat.values.end(), probe.begin(), probe.end());
+    flat.magnitudes.insert(flat.magnitudes.end(), probe.size(), probe[0]);
+  }
+  return flat;
 }
 
 }  // namespace relume

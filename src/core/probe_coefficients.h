@@ -12,6 +12,7 @@
 #include <array>
 #include <cstddef>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "core/model.h"
@@ -32,9 +33,23 @@ Harmonics mean_harmonics(const glm::dvec3& direction);
 /// cd/m2 times sr^1/2 each, in the order of Harmonics.
 using ProbeCoefficients = std::array<Rgb, kProbeHarmonics>;
 
-/// Of all probes, system by system: the light that senders reflect and emit, and the sky; without what
-/// arrives from punctual lights directly. `radiosity` per cluster; the model is valid, the lighting fits it.
+/// Of all probes by their names (Probe::name), 0 of those that are not loaded: the light that senders reflect
+/// and emit, and the sky; without what arrives from punctual lights directly. `radiosity` per cluster; the
+/// model is valid, the lighting fits it.
 std::vector<ProbeCoefficients> probe_coefficients(const Model& model, const Lighting& lighting,
                                                   const std::vector<Rgb>& radiosity);
+
+/// lux that arrive on a plane of unit normal, as far as nine coefficients tell (R. Ramamoorthi, P. Hanrahan,
+/// An Efficient Representation for Irradiance Environment Maps, 2001): where light comes from one side that
+/// may be a few per cent off, and below 0, which becomes 0. `probes`: of all; 0 where no probe has weight.
+Rgb probe_irradiance(std::span<const ProbeCoefficients> probes, const WeightedProbes& at,
+                     const glm::dvec3& normal);
+
+/// Coefficients one after the other, for comparisons, and for each the Y00 of its probe: errors count
+/// relative to that, for the others may be anything down to 0.
+struct FlatCoefficients {
+  std::vector<Rgb> values, magnitudes;
+};
+FlatCoefficients flat_coefficients(const std::vector<ProbeCoefficients>& probes);
 
 }  // namespace relume

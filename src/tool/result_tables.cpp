@@ -97,7 +97,7 @@ std::string probes_csv(const Model& model, std::span<const ProbeCoefficients> co
     for (const Probe& probe : system.probes) {
       std::string line = fmt::format("{},{},{}", csv_cell(model.probe_names[probe.name]),
                                      cells(probe.position), (probe.flags & kProbeInvalid) != 0 ? 0 : 1);
-      for (const Rgb& value : coefficients[lines.size()]) line += ',' + cells(value);
+      for (const Rgb& value : coefficients[probe.name]) line += ',' + cells(value);
       lines.emplace_back(probe.name, line + '\n');
     }
   }
