@@ -17,7 +17,7 @@ namespace relume {
 
 /// A sender, or a part of one, as seen from a probe.
 struct SeenSender {
-  std::uint32_t sender = 0;   ///< numbered through, as in FormFactorRow
+  std::uint32_t sender = 0;   ///< numbered through, as in FormFactorRow; of ProbeRows, a node of the tree
   float solid_angle = 0.0f;   ///< sr
   glm::vec3 direction{0.0f};  ///< mean of unit vectors towards it
 };
@@ -37,10 +37,6 @@ struct ProbeRows {
   std::vector<ProbeRow> rows;          ///< per point
   std::vector<std::uint32_t> systems;  ///< per point: the one that it sees most of
 };
-
-/// Points of a grid of this spacing (m) over the box of the geometry, in the middle of it, x fastest, then y,
-/// then z; named by their numbers. Refused (usage) beyond a million.
-Result<std::vector<ProbePoint>> probe_grid(const Geometry& geometry, double spacing);
 
 /// Rows of `points` from so many rays each. A sender that spreads far around the probe is told in parts.
 /// Cancelled when the observer says so.

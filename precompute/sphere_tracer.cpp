@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <span>
 
 #include "core/quantities.h"
 #include "core/sky.h"
@@ -24,12 +25,6 @@ glm::vec3 direction_of(const RayPacket& packet, int lane) {
   return {packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]};
 }
 
-void set_ray(const glm::vec3& from, const glm::vec3& way, float far, std::size_t lane, RayPacket& rays) {
-  rays.origin_x[lane] = from.x, rays.origin_y[lane] = from.y, rays.origin_z[lane] = from.z;
-  rays.direction_x[lane] = way.x, rays.direction_y[lane] = way.y, rays.direction_z[lane] = way.z;
-  rays.near[lane] = 0.0f, rays.far[lane] = far;
-}
-
 /// Upper estimate of the solid angle of an emitter: its cosine as large as its size allows.
 double largest_solid_angle(const Emitter& emitter, const glm::vec3& position) {
   const glm::vec3 to = emitter.centroid - position;
@@ -40,32 +35,55 @@ double largest_solid_angle(const Emitter& emitter, const glm::vec3& position) {
   return std::min(2.0 * kPi, emitter.area * cosine / (double(distance) * distance));
 }
 
-template <class Samples>
-double sum_of(const Samples& samples) {
+double sum_of(const std::vector<SeenSender>& samples) {
   double sum = 0.0;
-  for (const auto& sample : samples) sum += sample.solid_angle;
+  for (const SeenSender& sample : samples) sum += double(sample.solid_angle);
   return sum;
 }
 
-/// The mean of [first, last).
-template <class Iterator>
-SeenSender mean_of(Iterator first, Iterator last) {
+/// The mean of [first, last), all of one sender.
+SeenSender mean_of(std::span<const SeenSender> samples) {
   double solid_angle = 0.0;
   glm::dvec3 moment(0.0);
-  for (auto at = first; at != last; ++at) {
-    solid_angle += at->solid_angle;
-    moment += at->solid_angle * glm::dvec3(at->direction);
+  for (const SeenSender& sample : samples) {
+    solid_angle += double(sample.solid_angle);
+    moment += double(sample.solid_angle) * glm::dvec3(sample.direction);
   }
-  return {first->sender, float(solid_angle), glm::vec3(moment / std::max(solid_angle, 1e-300))};
+  return {samples.front().sender, float(solid_angle), glm::vec3(moment / std::max(solid_angle, 1e-300))};
 }
 
-/// Where a run of samples alike, from `first` on, ends.
-template <class Iterator, class Alike>
-Iterator end_of_run(Iterator first, Iterator last, const Alike& alike) {
-  return std::find_if(first, last, [&](const auto& sample) { return !alike(*first, sample); });
+/// Calls with each run of samples of which `of` gives the same, after sorting them by it.
+template <class Key, class Use>
+void for_each_run(std::span<SeenSender> samples, const Key& of, const Use& use) {
+  std::stable_sort(samples.begin(), samples.end(),
+                   [&](const SeenSender& a, const SeenSender& b) { return of(a) < of(b); });
+  for (std::size_t first = 0, last = 0; first < samples.size(); first = last) {
+    while (last < samples.size() && of(samples[last]) == of(samples[first])) ++last;
+    use(samples.subspan(first, last - first));
+  }
 }
 
 }  // namespace
+
+std::vector<SeenSender> unite_senders(std::vector<SeenSender> samples) {
+  std::vector<SeenSender> result;
+  const auto add = [&](std::span<const SeenSender> run) {
+    const SeenSender seen = mean_of(run);
+    if (seen.solid_angle > 0.0f) result.push_back(seen);
+  };
+  const auto sender = [](const SeenSender& sample) { return sample.sender; };
+  const auto part = [](const SeenSender& sample) {
+    return sky_cell(glm::dvec3(sample.direction), kPartResolution);
+  };
+  for_each_run(samples, sender, [&](std::span<SeenSender> run) {
+    if (glm::length(mean_of(run).direction) >= kShortestMean) {
+      add(run);
+    } else {
+      for_each_run(run, part, add);
+    }
+  });
+  return result;
+}
 
 SphereTracer::SphereTracer(const RowScene& scene)
     : scene_(scene), emitter_points_(scene.emitters.list.empty() ? 0 : kMaxAreaSamples) {}
@@ -80,7 +98,8 @@ ProbeRow SphereTracer::trace(const glm::vec3& position, const SobolPoints& point
   if (choice_.any()) sample_emitters(position, mix(key, 1));
   rays_ += points.count();
   close(totals.arrived / density_by_ray_);
-  return {senders(), float(totals.back_faces) / float(points.count())};
+  counted_.insert(counted_.end(), emitted_.begin(), emitted_.end());
+  return {unite_senders(counted_), float(totals.back_faces) / float(points.count())};
 }
 
 void SphereTracer::choose_emitters(const glm::vec3& position) {
@@ -106,7 +125,7 @@ SphereTracer::Totals SphereTracer::trace_rays(const glm::vec3& position, const S
     RayPacket packet;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const glm::vec3 direction = sphere_direction(samples.coordinate[0][lane], samples.coordinate[1][lane]);
-      set_ray(position, direction, std::numeric_limits<float>::infinity(), lane, packet);
+      set_ray(packet, lane, position, direction, std::numeric_limits<float>::infinity());
     }
     scene_.caster.closest_hits(packet, RaySpread::narrow);
     for (int lane = 0; lane < kPacketSize; ++lane) add_hit(packet, lane, totals);
@@ -121,7 +140,7 @@ void SphereTracer::add_hit(const RayPacket& packet, int lane, Totals& totals) {
   if (triangle == kNoTriangle) {
     ++totals.arrived;
     const std::uint32_t cell = sky_cell(glm::dvec3(direction), scene_.sky_resolution);
-    counted_.push_back({scene_.sky_senders[cell], 0, whole, direction});
+    counted_.push_back({scene_.sky_senders[cell], float(whole), direction});
     return;
   }
   const std::uint32_t sender = scene_.lookup.seen(triangle, packet.u[lane], packet.v[lane], direction);
@@ -130,12 +149,12 @@ void SphereTracer::add_hit(const RayPacket& packet, int lane, Totals& totals) {
   ++totals.arrived;
   const std::uint32_t emitter = scene_.emitters.list.empty() ? kNone : scene_.emitters.of_cluster[sender];
   if (emitter == kNone || !(choice_.probability[emitter] > 0.0)) {
-    counted_.push_back({sender, 0, whole, direction});
+    counted_.push_back({sender, float(whole), direction});
     return;
   }
   const double cosine = std::abs(glm::dot(direction, scene_.geometry.normals[triangle]));
   const double by_area = density_by_area(emitter, double(packet.far[lane]) * packet.far[lane], cosine);
-  emitted_.push_back({sender, 0, whole * power_heuristic(density_by_ray_, by_area), direction});
+  emitted_.push_back({sender, float(whole * power_heuristic(density_by_ray_, by_area)), direction});
 }
 
 double SphereTracer::density_by_area(std::uint32_t emitter, double squared_distance, double cosine) const {
@@ -152,7 +171,7 @@ void SphereTracer::add_connections(const glm::vec3& position, std::uint32_t firs
   SampleLanes samples;
   emitter_points_.scrambled(first, key, samples);
   RayPacket packet;
-  std::array<Sample, kLanes> drawn;
+  std::array<SeenSender, kLanes> drawn;
   std::array<bool, kLanes> useful;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     float u = samples.coordinate[0][lane];
@@ -163,10 +182,10 @@ void SphereTracer::add_connections(const glm::vec3& position, std::uint32_t firs
     const double squared = glm::dot(way, way), distance = std::sqrt(squared);
     const double cosine = -glm::dot(way, target.normal) / std::max(distance, 1e-30);
     useful[lane] = first + lane < area_samples_ && squared > 0.0 && cosine > 0.0;
-    set_ray(position, way, useful[lane] ? 1.0f : -1.0f, lane, packet);
+    set_ray(packet, lane, position, way, useful[lane] ? 1.0f : -1.0f);
     if (!useful[lane]) continue;
     const double by_area = density_by_area(chosen, squared, cosine);
-    drawn[lane] = {emitter.cluster, 0, power_heuristic(by_area, density_by_ray_) / by_area,
+    drawn[lane] = {emitter.cluster, float(power_heuristic(by_area, density_by_ray_) / by_area),
                    way / float(distance)};
     ++occlusion_rays_;
   }
@@ -178,38 +197,8 @@ void SphereTracer::add_connections(const glm::vec3& position, std::uint32_t firs
 
 void SphereTracer::close(double solid_angle) {
   const RowScales scales = close_row(sum_of(emitted_), sum_of(counted_), solid_angle);
-  for (Sample& sample : emitted_) sample.solid_angle *= scales.emitted;
-  for (Sample& sample : counted_) sample.solid_angle *= scales.counted;
-}
-
-std::vector<SeenSender> SphereTracer::senders() {
-  std::vector<Sample>& samples = counted_;
-  samples.insert(samples.end(), emitted_.begin(), emitted_.end());
-  std::stable_sort(samples.begin(), samples.end(),
-                   [](const Sample& a, const Sample& b) { return a.sender < b.sender; });
-  std::vector<SeenSender> result;
-  const auto add = [&](const SeenSender& seen) {
-    if (seen.solid_angle > 0.0f) result.push_back(seen);
-  };
-  const auto same_sender = [](const Sample& a, const Sample& b) { return a.sender == b.sender; };
-  const auto same_part = [](const Sample& a, const Sample& b) { return a.part == b.part; };
-  for (auto first = samples.begin(); first != samples.end();) {
-    const auto last = end_of_run(first, samples.end(), same_sender);
-    const SeenSender whole = mean_of(first, last);
-    if (glm::length(whole.direction) >= kShortestMean) {
-      add(whole);
-      first = last;
-      continue;
-    }
-    for (auto at = first; at != last; ++at) at->part = sky_cell(glm::dvec3(at->direction), kPartResolution);
-    std::stable_sort(first, last, [](const Sample& a, const Sample& b) { return a.part < b.part; });
-    while (first != last) {
-      const auto end = end_of_run(first, last, same_part);
-      add(mean_of(first, end));
-      first = end;
-    }
-  }
-  return result;
+  for (SeenSender& sample : emitted_) sample.solid_angle *= float(scales.emitted);
+  for (SeenSender& sample : counted_) sample.solid_angle *= float(scales.counted);
 }
 
 }  // namespace relume

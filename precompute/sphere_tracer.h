@@ -16,6 +16,18 @@ inline glm::vec3 sphere_direction(float u, float v) {
   return {2.0f * half.z * half.x, 2.0f * half.z * half.y, 2.0f * half.z * half.z - 1.0f};
 }
 
+/// A ray from `from` along `way`, up to `far` times its length; below 0: none.
+inline void set_ray(RayPacket& rays, std::size_t lane, const glm::vec3& from, const glm::vec3& way,
+                    float far) {
+  rays.origin_x[lane] = from.x, rays.origin_y[lane] = from.y, rays.origin_z[lane] = from.z;
+  rays.direction_x[lane] = way.x, rays.direction_y[lane] = way.y, rays.direction_z[lane] = way.z;
+  rays.near[lane] = 0.0f, rays.far[lane] = far;
+}
+
+/// Samples, or what was united before, as one entry for each sender, ascending; a sender that spreads far
+/// around the probe as one for each part of the sphere that it is seen in.
+std::vector<SeenSender> unite_senders(std::vector<SeenSender> samples);
+
 /// One per thread.
 class SphereTracer {
  public:
@@ -29,12 +41,6 @@ class SphereTracer {
   std::uint64_t occlusion_rays() const { return occlusion_rays_; }
 
  private:
-  /// A sample of solid angle.
-  struct Sample {
-    std::uint32_t sender = 0, part = 0;
-    double solid_angle = 0.0;
-    glm::vec3 direction{0.0f};
-  };
   struct Totals {
     std::uint32_t arrived = 0, back_faces = 0;
   };
@@ -46,14 +52,13 @@ class SphereTracer {
   void add_connections(const glm::vec3& position, std::uint32_t first, std::uint64_t key);
   /// Both kinds of samples together are scaled to what the rays measured.
   void close(double solid_angle);
-  std::vector<SeenSender> senders();
 
   const RowScene& scene_;
   SobolPoints emitter_points_;
   EmitterChoice choice_;
-  std::uint32_t area_samples_ = 0;  ///< of all emitters together
-  double density_by_ray_ = 0.0;     ///< rays per sr
-  std::vector<Sample> counted_, emitted_;
+  std::uint32_t area_samples_ = 0;             ///< of all emitters together
+  double density_by_ray_ = 0.0;                ///< rays per sr
+  std::vector<SeenSender> counted_, emitted_;  ///< samples of solid angle
   std::uint64_t rays_ = 0, occlusion_rays_ = 0;
 };
 

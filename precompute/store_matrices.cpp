@@ -250,7 +250,7 @@ void coarsen(const ModelParts& parts, const SystemRowGroups& groups, const std::
     visit_tiles(*group, leaves, add);
   for (const auto p : groups.probes) {
     for (const SeenSender& seen : parts.probes.rows[p].senders) {
-      double& sum = weight[leaves[seen.sender]];
+      double& sum = weight[seen.sender];
       sum = std::max(sum, 0.0) + double(seen.solid_angle) / kPi;
     }
   }
@@ -264,16 +264,19 @@ void coarsen(const ModelParts& parts, const SystemRowGroups& groups, const std::
   imports.coarsen(std::move(coarser));
 }
 
-/// After the imports are finished. Senders of a probe ascend, and so do their columns.
+/// After the imports are finished.
 void store_probes(const ModelParts& parts, const std::vector<std::uint32_t>& probes,
-                  const std::vector<std::uint32_t>& leaves, const ImportTable& imports, System& system) {
+                  const ImportTable& imports, System& system) {
   for (const auto p : probes) {
     const ProbeRow& row = parts.probes.rows[p];
     system.probes.push_back({parts.probes.points[p].position, p,
                              row.back_face_share > kInvalidProbeShare ? std::uint32_t{kProbeInvalid} : 0u,
                              std::uint32_t(system.probe_senders.size()), std::uint32_t(row.senders.size())});
     for (const SeenSender& seen : row.senders)
-      system.probe_senders.push_back({imports.column(leaves[seen.sender]), seen.solid_angle, seen.direction});
+      system.probe_senders.push_back({imports.column(seen.sender), seen.solid_angle, seen.direction});
+    std::stable_sort(system.probe_senders.end() - std::ptrdiff_t(row.senders.size()),
+                     system.probe_senders.end(),
+                     [](const ProbeSender& a, const ProbeSender& b) { return a.column < b.column; });
   }
 }
 
@@ -284,7 +287,7 @@ Result<void> store_system(const ModelParts& parts, ValueCodec codec, const Syste
   for (const RowGroup* group : {&groups.clusters, &groups.lumels, &groups.sensors})
     visit_tiles(*group, leaves, [&](const CutTile& tile) { imports.use(tile); });
   for (const auto p : groups.probes) {
-    for (const SeenSender& seen : parts.probes.rows[p].senders) imports.use(leaves[seen.sender]);
+    for (const SeenSender& seen : parts.probes.rows[p].senders) imports.use(seen.sender);
   }
   if (imports.count() > kMaxImports) coarsen(parts, groups, leaves, system.name, imports, report);
   system.imports = imports.finish(parts.senders.tree, references, model);
@@ -294,7 +297,7 @@ Result<void> store_system(const ModelParts& parts, ValueCodec codec, const Syste
                             "columns can name; choose a larger cluster size",
                             system.name, system.imports.size(), kMaxImports));
   }
-  store_probes(parts, groups.probes, leaves, imports, system);
+  store_probes(parts, groups.probes, imports, system);
   const auto columns = std::uint32_t(system.imports.size());
   const bool shared = !parts.tiles.empty();
   BlockMatrixBuilder bounce(columns, codec), gather(columns, codec);

@@ -18,7 +18,7 @@ struct TracedRows {
   std::vector<SystemTiles> tiles;  ///< per system; none without a cut
   std::optional<NodeFlux> flux;    ///< of the nodes that tiles keep
   SensorRows sensors;
-  std::vector<std::uint32_t> sensor_systems;       ///< per sensor: the one that it belongs to
+  std::vector<std::uint32_t> sensor_systems;  ///< per sensor: the one that it belongs to
   ProbeRows probes;
   std::vector<std::vector<std::uint32_t>> orders;  ///< per system: elements as the model stores them
 };
@@ -27,6 +27,7 @@ struct TracedRows {
 /// so.
 Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces, const SenderTree& senders,
                               std::span<const SurfacePoint> sensors, std::span<const ProbePoint> probes,
-                              const RowPlan& plan, const Probing* probing, RowCounts& counts, const ProgressObserver& observer);
+                              const RowPlan& plan, const Probing* probing, RowCounts& counts,
+                              const ProgressObserver& observer);
 
 }  // namespace relume
