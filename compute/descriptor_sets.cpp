@@ -81,14 +81,17 @@ void plan_block_sets(const std::vector<BlockLayout>& blocks, std::span<const Buf
   }
 }
 
-SetPlan plan_probe_set(const SystemLayout& layout, std::span<const BufferRange> ranges,
-                       const BufferRange& coefficients, VkDescriptorSet& set) {
-  SetPlan plan{kernels::kBlockSet, &set, {}, {}};
-  for (std::uint32_t i = 0; i < kProbeBuffers; ++i) {
-    plan.bindings.push_back(whole(ranges[layout.first_probe_buffer + i]));
+void plan_probe_sets(const std::vector<ProbeBlockLayout>& blocks, std::span<const BufferRange> ranges,
+                     const BufferRange& coefficients, std::vector<VkDescriptorSet>& sets,
+                     std::vector<SetPlan>& plans) {
+  sets.resize(blocks.size());
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    SetPlan plan{kernels::kBlockSet, &sets[b], {}, {}};
+    for (std::uint32_t i = 0; i < kProbeBuffers; ++i)
+      plan.bindings.push_back(whole(ranges[blocks[b].first_buffer + i]));
+    plan.bindings.push_back(whole(coefficients));
+    plans.push_back(std::move(plan));
   }
-  plan.bindings.push_back(whole(coefficients));
-  return plan;
 }
 
 Result<void> make_texel_views(const HostDevice& host, const DeviceFunctions& functions,
@@ -189,7 +192,7 @@ Result<SystemSets> make_system_sets(const HostDevice& host, const DeviceFunction
   std::vector<SetPlan> plans = {plan_system_set(ranges, sets.system)};
   plan_block_sets(layout.bounce, ranges, sets.bounce, plans);
   plan_block_sets(layout.gather, ranges, sets.gather, plans);
-  if (layout.probes > 0) plans.push_back(plan_probe_set(layout, ranges, coefficients, sets.probes));
+  plan_probe_sets(layout.probes, ranges, coefficients, sets.probes, plans);
   if (auto made = make_texel_views(host, functions, max_texels, plans, sets.texel_views); !made) {
     return tl::unexpected<Error>(made.error());
   }

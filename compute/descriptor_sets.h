@@ -24,9 +24,9 @@ struct SystemSets {
   std::vector<VulkanHandle<VkBufferView>> texel_views;
   VulkanHandle<VkDescriptorPool> pool;
   VkDescriptorSet system = VK_NULL_HANDLE;
-  std::vector<VkDescriptorSet> bounce;      ///< per block
-  std::vector<VkDescriptorSet> gather;      ///< per block
-  VkDescriptorSet probes = VK_NULL_HANDLE;  ///< where there are probes
+  std::vector<VkDescriptorSet> bounce;  ///< per block
+  std::vector<VkDescriptorSet> gather;  ///< per block
+  std::vector<VkDescriptorSet> probes;  ///< per block
 };
 
 /// `ranges` has one entry per buffer of the layout of the whole solve.

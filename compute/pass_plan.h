@@ -30,7 +30,7 @@ struct BlockFormat {
 /// One dispatch. What depends on the half in range is filled in when it is recorded.
 struct DispatchStep {
   BlockFormat format{};
-  std::uint32_t block = 0;  ///< of the bounce or gather matrix
+  std::uint32_t block = 0;  ///< of the bounce or gather matrix, or of the probes
   kernels::Range range{};
   std::uint32_t workgroups = 0;
   /// Form factors, zeros of tiles included; of probes, kProbeEntryCost for each entry of their lists; of

@@ -70,13 +70,15 @@ void add_stored_lighting(UploadData& data, const System& system) {
   data.add_owned(kWeights, 0, rgb_bytes(std::vector<Rgb>(albedo.size(), Rgb(1.0))));
 }
 
-void add_probes(UploadData& data, const System& system, std::uint32_t first_buffer) {
+void add_probes(UploadData& data, const System& system, const ProbeBlockLayout& block) {
   std::vector<kernels::uint> lists;
-  for (const Probe& probe : system.probes) {
-    lists.insert(lists.end(), {probe.first_sender, probe.first_sender + probe.sender_count, probe.name});
+  for (const Probe& probe : std::span(system.probes).subspan(block.first_probe, block.probe_count)) {
+    const kernels::uint first = probe.first_sender - block.first_sender;
+    lists.insert(lists.end(), {first, first + probe.sender_count, probe.name});
   }
-  data.add_owned(first_buffer + kProbeLists, 0, owned_bytes(lists));
-  data.pieces.push_back({first_buffer + kProbeSenders, 0, bytes_of(system.probe_senders)});
+  data.add_owned(block.first_buffer + kProbeLists, 0, owned_bytes(lists));
+  const auto senders = std::span(system.probe_senders).subspan(block.first_sender, block.sender_count);
+  data.pieces.push_back({block.first_buffer + kProbeSenders, 0, std::as_bytes(senders)});
 }
 
 }  // namespace
@@ -109,7 +111,7 @@ UploadData system_upload(const Model& model, std::uint32_t index, const SystemLa
   add_stored_lighting(data, system);
   add_blocks(data, system.bounce, layout.bounce);
   add_blocks(data, system.gather, layout.gather);
-  if (layout.probes > 0) add_probes(data, system, layout.first_probe_buffer);
+  for (const ProbeBlockLayout& block : layout.probes) add_probes(data, system, block);
   return data;
 }
 

@@ -94,13 +94,27 @@ void add_system_buffers(const SystemLayout& layout, BufferList& buffers) {
   buffers.add("node shares", layout.node_leaves * sizeof(float));
 }
 
+/// A probe alone has its block, however long its list.
+std::vector<ProbeBlockLayout> probe_blocks(const System& system) {
+  constexpr std::uint64_t kMost = kMaxBlockBytes / sizeof(ProbeSender);
+  std::vector<ProbeBlockLayout> blocks;
+  for (std::uint32_t p = 0; p < system.probes.size(); ++p) {
+    const Probe& probe = system.probes[p];
+    if (blocks.empty() || std::uint64_t{blocks.back().sender_count} + probe.sender_count > kMost)
+      blocks.push_back({p, 0, probe.first_sender, 0, 0});
+    ++blocks.back().probe_count;
+    blocks.back().sender_count += probe.sender_count;
+  }
+  return blocks;
+}
+
 /// In the order of ProbeBuffer.
-void add_probe_buffers(const System& system, SystemLayout& layout, BufferList& buffers) {
-  layout.probes = static_cast<std::uint32_t>(system.probes.size());
-  if (layout.probes == 0) return;
-  layout.first_probe_buffer =
-      buffers.add("probes", VkDeviceSize{layout.probes} * kernels::kProbeListUints * sizeof(std::uint32_t));
-  buffers.add("probe senders", system.probe_senders.size() * sizeof(ProbeSender));
+void add_probe_buffers(std::vector<ProbeBlockLayout>& blocks, BufferList& buffers) {
+  for (ProbeBlockLayout& block : blocks) {
+    block.first_buffer = buffers.add(
+        "probes", VkDeviceSize{block.probe_count} * kernels::kProbeListUints * sizeof(std::uint32_t));
+    buffers.add("probe senders", VkDeviceSize{block.sender_count} * sizeof(ProbeSender));
+  }
 }
 
 /// In the order of SolveBuffer.
@@ -168,7 +182,8 @@ Result<SystemLayout> system_layout(const Model& model, std::uint32_t index, cons
   add_system_buffers(layout, buffers);
   layout.bounce = matrix_layout(system.bounce, "bounce", limits.alignment, buffers);
   layout.gather = matrix_layout(system.gather, "gather", limits.alignment, buffers);
-  add_probe_buffers(system, layout, buffers);
+  layout.probes = probe_blocks(system);
+  add_probe_buffers(layout.probes, buffers);
   if (auto checked = check_sizes(layout.buffers, limits.max_range); !checked) {
     return tl::unexpected<Error>(checked.error());
   }

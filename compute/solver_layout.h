@@ -48,8 +48,7 @@ enum SystemBuffer : std::uint32_t {
   kSystemBuffers,
 };
 
-/// Buffers of the light probes of a system, which follow all others: the first bindings of kBlockSet for
-/// them, in their order.
+/// Buffers of a block of light probes: the first bindings of kBlockSet for them, in their order.
 enum ProbeBuffer : std::uint32_t { kProbeLists, kProbeSenders, kProbeBuffers };
 
 /// A part of a buffer.
@@ -66,6 +65,15 @@ struct BlockLayout {
   std::array<Section, kernels::kBlockBindings> sections;
 };
 
+/// Light probes that stand together, so that their list fits a buffer of kMaxBlockBytes.
+struct ProbeBlockLayout {
+  std::uint32_t first_probe = 0;
+  std::uint32_t probe_count = 0;
+  std::uint32_t first_sender = 0;
+  std::uint32_t sender_count = 0;
+  std::uint32_t first_buffer = 0;  ///< of the system: its kProbeLists
+};
+
 struct SystemLayout {
   std::uint32_t clusters = 0;
   std::uint32_t nodes = 0;
@@ -76,8 +84,7 @@ struct SystemLayout {
   std::vector<BufferRequirement> buffers;
   std::vector<BlockLayout> bounce;
   std::vector<BlockLayout> gather;
-  std::uint32_t probes = 0;
-  std::uint32_t first_probe_buffer = 0;  ///< number of its kProbeLists, where there are probes
+  std::vector<ProbeBlockLayout> probes;
 
   /// Of one half of its radiosity.
   std::uint32_t senders() const { return clusters + nodes; }

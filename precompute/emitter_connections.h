@@ -25,8 +25,8 @@ double ray_weight(const SampleCounts& counts, double emitter_area, double cos_re
                   double distance);
 
 /// The weight of a sample that one technique draws with `own` density and the other with `other`: the power
-/// heuristic of exponent 2. The balance heuristic would leave a small lamp's few hits by rays a share, and all
-/// of their noise.
+/// heuristic of exponent 2. The balance heuristic would leave a small lamp's few hits by rays a share, and
+/// all of their noise.
 [[gnu::always_inline]] inline double power_heuristic(double own, double other) {
   return own * own / (own * own + other * other);
 }

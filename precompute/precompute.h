@@ -60,6 +60,9 @@ struct PrecomputeOptions {
   std::vector<SensorPoint> sensors;
   std::vector<ProbePoint> probes;
   double probe_spacing = 0.0;  ///< m, above 0: in place of `probes`, a grid of them over the scene's box
+  /// In place of both: denser where light between them would be off. Each then keeps about 256 nodes, unless
+  /// error or budget ask for others.
+  bool auto_probes = false;
 };
 
 /// Estimated errors of indirect irradiance by cause, relative to its root mean square in the room.
@@ -92,10 +95,10 @@ struct PrecomputeReport {
 Result<Model> precompute(const Scene& scene, const PrecomputeOptions& options, PrecomputeReport& report,
                          const ProgressObserver& observer = {});
 
-/// What a precompute will take, extrapolated from a small sample of its rows; light probes are not counted.
+/// What a precompute will take, extrapolated from a small sample of its rows and light probes.
 struct PrecomputeEstimate {
   std::uint64_t rows = 0;      ///< of all matrices
-  std::uint64_t nonzeros = 0;  ///< form factors
+  std::uint64_t nonzeros = 0;  ///< form factors, and entries of probes
   std::uint64_t file_bytes = 0;
   std::uint64_t memory_bytes = 0;  ///< that the process has at most, until the file is written
   std::uint64_t rays = 0;          ///< of rows, towards emitters too

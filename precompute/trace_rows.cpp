@@ -46,6 +46,9 @@ Result<void> trace_systems(const RowScene& scene, const Surfaces& surfaces,
   return {};
 }
 
+/// Nodes of a probe where rows are not cut, but a survey is there to cut them by.
+constexpr std::uint32_t kProbeBudget = 256;
+
 /// The row of a probe as one of form factors, for a plane that faces all that it sees by half.
 std::vector<FormFactorRow> half_facing_rows(std::span<const ProbeRow> probes) {
   std::vector<FormFactorRow> rows(probes.size());
@@ -83,7 +86,7 @@ void put_nodes(const ClusterTree& tree, const std::vector<CutTile>& tiles, std::
 }
 
 Result<ProbeRows> trace_light_probes(const RowScene& scene, const SenderTree& senders, std::size_t systems,
-                                     std::span<const ProbePoint> points, const std::optional<CutSenders>& cut,
+                                     std::span<const ProbePoint> points, const Probing* probing,
                                      const RowPlan& plan, RowCounts& counts,
                                      const ProgressObserver& observer) {
   auto traced = trace_probes(scene, points, plan.probe_rays, counts, observer);
@@ -92,13 +95,14 @@ Result<ProbeRows> trace_light_probes(const RowScene& scene, const SenderTree& se
   const std::vector<FormFactorRow> seen = half_facing_rows(probes.rows);
   probes.systems = systems_of_sensors(senders, systems, seen);
   std::vector<CutTile> tiles;
-  if (cut) {
+  if (probing != nullptr) {
     std::vector<CutRow> rows;
     for (std::size_t i = 0; i < seen.size(); ++i) {
       const glm::vec3 position(points[i].position - scene.geometry.origin);
       rows.push_back({&seen[i], float(plan.probe_rays), 0.0f, {position, glm::vec3(0.0f)}});
     }
-    tiles = cut_rows(*cut, rows, {1, {&plan.sensor_cut, 1}});
+    const CutLimits limits = plan.cut ? plan.sensor_cut : CutLimits{kProbeBudget, 0.0};
+    tiles = cut_rows({senders.tree, *probing}, rows, {1, {&limits, 1}});
   }
   put_nodes(senders.tree, tiles, probes.rows);
   return probes;
@@ -131,7 +135,7 @@ Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces, c
     rows.tiles[s].sensors = cut_rows(*cut, own, {1, {&plan.sensor_cut, 1}});
   }
   auto probe_rows =
-      trace_light_probes(scene, senders, surfaces.systems.size(), probes, cut, plan, counts, observer);
+      trace_light_probes(scene, senders, surfaces.systems.size(), probes, probing, plan, counts, observer);
   if (!probe_rows) return tl::unexpected(probe_rows.error());
   rows.probes = std::move(*probe_rows);
   return rows;

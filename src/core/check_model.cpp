@@ -109,6 +109,7 @@ Result<void> check_globals(const Model& model) {
   if (auto checked = check_tree(model.sky_tree, model.sky_cells.size(), "sky"); !checked) return checked;
   if (model.sky_radiance && !non_negative(*model.sky_radiance))
     return broken_model("expected a finite sky radiance >= 0");
+  if (auto checked = check_probe_volume(model); !checked) return checked;
   return model.camera ? check_camera(*model.camera) : Result<void>{};
 }
 

@@ -199,6 +199,14 @@ std::string_view id_of(const Section& section) {
   return {section.record.id.data(), section.record.id.size()};
 }
 
+Result<void> read_probe_volume(const Section& section, ProbeVolume& volume) {
+  ByteReader reader(section.bytes);
+  volume.lower = reader.take<glm::vec3>();
+  volume.edge = reader.take<float>();
+  volume.counts = reader.take<std::array<std::uint32_t, 3>>();
+  return check_consumed(reader, section.record);
+}
+
 /// nullopt: no section of the model that this version knows.
 std::optional<Result<void>> read_model_section(const Section& section, Model& model) {
   const std::string_view id = id_of(section);
@@ -224,6 +232,10 @@ std::optional<Result<void>> read_model_section(const Section& section, Model& mo
   if (id == kTextureTriangles) return read_array(section, occluders.texture);
   if (id == kBvhNodes) return read_array(section, occluders.bvh.nodes);
   if (id == kBvhTriangles) return read_array(section, occluders.bvh.triangles);
+  if (id == kProbeVolume) return read_probe_volume(section, model.probe_volume);
+  if (id == kProbeVolumeNodes) return read_array(section, model.probe_volume.nodes);
+  if (id == kProbeVolumeCells) return read_array(section, model.probe_volume.cells);
+  if (id == kProbeVolumePlanes) return read_array(section, model.probe_volume.planes);
   if (id != kSensorNames && id != kProbeNames) return std::nullopt;
   return read_records<std::string>(section, id == kSensorNames ? model.sensor_names : model.probe_names,
                                    [](ByteReader& reader) { return reader.take_string(); });

@@ -94,6 +94,18 @@ void add_named_records(const Model& model, SectionWriter& file) {
   file.add(kProbeNames, kNone, probes.bytes(), kSectionOptional);
 }
 
+void add_probe_volume(const ProbeVolume& volume, SectionWriter& file) {
+  if (volume.nodes.empty()) return;
+  ByteWriter head;
+  head.put(volume.lower);
+  head.put(volume.edge);
+  head.put(volume.counts);
+  file.add(kProbeVolume, kNone, head.bytes(), kSectionOptional);
+  file.add(kProbeVolumeNodes, kNone, std::as_bytes(std::span(volume.nodes)), kSectionOptional);
+  file.add(kProbeVolumeCells, kNone, std::as_bytes(std::span(volume.cells)), kSectionOptional);
+  file.add(kProbeVolumePlanes, kNone, std::as_bytes(std::span(volume.planes)), kSectionOptional);
+}
+
 void add_occluders(const Occluders& occluders, SectionWriter& file) {
   file.add_array(kOccluderPositions, kNone, occluders.positions);
   file.add_array(kOccluderTriangles, kNone, occluders.triangles);
@@ -157,7 +169,8 @@ std::size_t likely_bytes(const Model& model) {
   for (const System& system : model.systems) {
     bytes += system.elements.size() * sizeof(SurfaceElement) + system.pieces.size() * sizeof(SurfacePiece) +
              system.lumels.size() * sizeof(Lumel) + system.clusters.size() * sizeof(Cluster) +
-             system.probes.size() * sizeof(Probe) + system.probe_senders.size() * sizeof(ProbeSender) + kSlack;
+             system.probes.size() * sizeof(Probe) + system.probe_senders.size() * sizeof(ProbeSender) +
+             kSlack;
     for (const BlockMatrix* matrix : {&system.bounce, &system.gather}) {
       for (const MatrixBlock& block : matrix->blocks) bytes += block_bytes(block) + kSlack / 64;
     }
@@ -177,6 +190,7 @@ std::vector<std::byte> encode_model(const Model& model) {
   file.add_array(kTopTree, kNone, model.top_tree);
   file.add_array(kTopParts, kNone, model.top_parts);
   add_named_records(model, file);
+  add_probe_volume(model.probe_volume, file);
   add_lights(model.lights, file);
   add_occluders(model.occluders, file);
   for (std::size_t index = 0; index < model.systems.size(); ++index) {

@@ -206,8 +206,10 @@ class Parser {
     add_path(command, "--sensors", "CSV", precompute_.sensors, "Header id,px,py,pz,nx,ny,nz");
     command
         .add_option("--probes", precompute_.probes,
-                    "Light probes: none, a grid of this spacing (m), or a CSV with header id,px,py,pz")
-        ->type_name("none|SPACING|CSV");
+                    "Light probes: none, auto (denser where light changes), a grid of this spacing (m), or a "
+                    "CSV with header "
+                    "id,px,py,pz")
+        ->type_name("none|auto|SPACING|CSV");
     add_choice(
         command, "--values,--codec", {"f32", "unorm16", "sqrt8"},
         [&options](std::size_t k) { options.codec = static_cast<ValueCodec>(k); },
@@ -265,8 +267,8 @@ class Parser {
           solve_.solver.method = k == 0 ? std::nullopt : std::optional(static_cast<Method>(k - 1));
         },
         "How the reference solves (default auto: the fastest that is safe for the scene)");
-    CLI::Option* bounces =
-        add_number(command, "--bounces", bounces_, kCountOrZero, "Exactly this many bounces, or products of another --method");
+    CLI::Option* bounces = add_number(command, "--bounces", bounces_, kCountOrZero,
+                                      "Exactly this many bounces, or products of another --method");
     CLI::Option* tolerance = add_number(command, "--tolerance", solve_.rule.tolerance, kShare,
                                         "Stop at this bound on the relative error (default 1e-5)");
     bounces->excludes(tolerance);

@@ -83,14 +83,16 @@ Result<int> say_estimate(const PrecomputeArguments& arguments, const PrecomputeE
   return 0;
 }
 
-/// A spacing, or else a file.
+/// A word, or a spacing, or else a file.
 Result<void> choose_probes(const std::string& asked, PrecomputeOptions& options) {
   if (asked == "none") return {};
+  options.auto_probes = asked == "auto";
+  if (options.auto_probes) return {};
   const auto [end, code] = std::from_chars(asked.data(), asked.data() + asked.size(), options.probe_spacing);
   if (code == std::errc() && end == asked.data() + asked.size()) {
     if (options.probe_spacing > 0.0) return {};
     return fail(ErrorCode::usage,
-                fmt::format("--probes: expected none, a spacing above 0 or a CSV, found '{}'.", asked));
+                fmt::format("--probes: expected none, auto, a spacing above 0 or a CSV, found '{}'.", asked));
   }
   options.probe_spacing = 0.0;
   auto probes = read_probes(asked);
