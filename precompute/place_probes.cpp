@@ -28,8 +28,6 @@ constexpr std::size_t kMostPlaced = 200'000;
 /// sixteenth of its length.
 constexpr std::uint32_t kDepth = 3;
 constexpr double kRootsAlong = 16.0;
-/// Where a single place is off by so many times the error, its cell is halved, too.
-constexpr double kWorst = 2.0;
 /// Rays of a probe that is only looked at: noise of about 1 % of its Y00.
 constexpr std::uint32_t kRays = 1024;
 
@@ -79,6 +77,7 @@ class ProbeTree {
   }
 
   const std::vector<OpenCell>& open() const { return open_; }
+  float root_edge() const { return volume_.edge; }
   float edge_of(const OpenCell& cell) const { return step_ * float(cell.edge); }
   const ProbeLattice& lattice() const { return lattice_; }
 
@@ -254,11 +253,12 @@ class Critic {
           between(corners, position, (position - lower) / tree_.edge_of(cell));
       if (!told) return true;
       const double off = squared_difference(glimpses_[probe], *told, probing_);
-      if (off > kWorst * kWorst * error_ * error_) return true;
       squares += off;
       ++places;
     }
-    return squares > error_ * error_ * places;
+    // What is off in a small cell concerns few points: it counts by the area of its faces.
+    const double size = double(tree_.edge_of(cell)) / double(tree_.root_edge());
+    return squares * size * size > error_ * error_ * places;
   }
 
  private:

@@ -23,8 +23,9 @@ struct PlacedProbes {
 Result<PlacedProbes> place_probe_grid(const Geometry& geometry, const RayCaster& caster, double spacing);
 
 /// An octree: cells are halved while the irradiance between their probes is off by more than `error`,
-/// relative to what it is there and root mean square over the probing emissions, or while a place in free
-/// space has no probe that sees it. Cancelled when the observer says so.
+/// relative to what it is there and root mean square over the probing emissions, and more than that the
+/// smaller they are; and while a place in free space has no probe that sees it. Cancelled when the observer
+/// says so.
 Result<PlacedProbes> place_probes(const RowScene& scene, const Probing& probing, double error,
                                   RowCounts& counts, const ProgressObserver& observer);
 

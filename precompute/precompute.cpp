@@ -36,7 +36,7 @@ constexpr int kMostAttempts = 3;
 constexpr double kToldFrom = 1.2;
 /// Light between probes that are placed automatically may be off by so much, or by the error target if that
 /// is more.
-constexpr double kProbeError = 0.2;
+constexpr double kProbeError = 0.15;
 constexpr std::uint32_t kMaxQuality = 1u << 20;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
