@@ -123,9 +123,10 @@ bool inside_box(const glm::dvec3& p) {
   return p.x > 3.95 && p.x < 4.15;
 }
 
-TEST(ProbePlacement, NeedsAThirdOfTheProbesOfAGrid) {
+// Errors of grids fall by steps, as they happen to meet the lamps; one that is this good needs twice as many.
+TEST(ProbePlacement, NeedsHalfOfTheProbesOfAGrid) {
   const Scene scene = two_rooms();
-  std::vector<glm::dvec3> points = random_points(600, glm::dvec3(0.05), {7.55, 2.55, 3.15});
+  std::vector<glm::dvec3> points = random_points(400, glm::dvec3(0.05), {7.55, 2.55, 3.15});
   std::erase_if(points, inside_box);
   PrecomputeOptions how = options(0.25);
   for (const glm::dvec3& point : points) how.probes.push_back({"", point});
@@ -150,6 +151,9 @@ TEST(ProbePlacement, NeedsAThirdOfTheProbesOfAGrid) {
   const Interpolation grid = interpolate(scene, how, points, truth);
   RecordProperty("grid_probes", std::to_string(grid.probes));
   RecordProperty("grid_error", std::to_string(grid.error));
+  EXPECT_EQ(placed.missed, 0u);
+  EXPECT_LE(2 * placed.probes, grid.probes);
+  EXPECT_LE(placed.error, grid.error);
 }
 
 }  // namespace
