@@ -58,8 +58,8 @@ const uint kCodeTexelsBinding =
 const uint kBlockTexelBindings = 3u;
 
 /// The same set for light probes (core/probe_coefficients.h).
-const uint kProbeListsBinding = 0u;  // three uints per probe: first entry among the senders, their end,
-                                     // number of the probe among those of all systems
+const uint kProbeListsBinding = 0u;    // three uints per probe: first entry among the senders, their end,
+                                       // number of the probe among those of all systems
 const uint kProbeSendersBinding = 1u;  // ProbeSender of core/model.h: 5 uints each
 const uint kProbeCoefficientsBinding =
     2u;  // kProbeHarmonics vec4 per probe of all systems: cd/m2 sr^1/2 in rgb

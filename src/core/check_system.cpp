@@ -250,9 +250,8 @@ Result<void> check_not_loaded(const SystemPlace& at) {
   const System& system = at.system;
   const bool empty = system.clusters.empty() && system.elements.empty() && system.pieces.empty() &&
                      system.lumels.empty() && system.sensors.empty() && system.probes.empty() &&
-                     system.probe_senders.empty() && system.charts.empty() &&
-                     system.tree.nodes.empty() && system.imports.empty() && system.bounce.rows == 0 &&
-                     system.gather.rows == 0;
+                     system.probe_senders.empty() && system.charts.empty() && system.tree.nodes.empty() &&
+                     system.imports.empty() && system.bounce.rows == 0 && system.gather.rows == 0;
   if (empty) return {};
   return broken_model("system {}: expected nothing in a system that is not loaded", at.index);
 }

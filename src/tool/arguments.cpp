@@ -255,8 +255,9 @@ class Parser {
         command, "--ktx2", {"rgba16f", "r11g11b10f", "rgb9e5"},
         [this](std::size_t k) { solve_.ktx2 = static_cast<LightmapFormat>(k); },
         "Lightmaps also as .ktx2, for engines to load");
-    command.add_flag("--bounds", solve_.bounds,
-                     "Also between which values the answer lies that rows had before they were cut and stored");
+    command.add_flag(
+        "--bounds", solve_.bounds,
+        "Also between which values the answer lies that rows had before they were cut and stored");
     add_solver(command, solve_.solver, true);
     std::vector<std::string> methods{"auto"};
     methods.insert(methods.end(), method_names().begin(), method_names().end());
