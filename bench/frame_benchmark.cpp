@@ -10,6 +10,8 @@
 #include "core/model_file.h"
 #include "core/sky.h"
 #include "frames.h"
+#include "measure/converged_answer.h"
+#include "measure/statistics.h"
 #include "measure/test_lights.h"
 
 namespace relume::bench {

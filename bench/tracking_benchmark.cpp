@@ -9,6 +9,8 @@
 #include "benchmarks.h"
 #include "core/reference_solver.h"
 #include "frames.h"
+#include "measure/converged_answer.h"
+#include "measure/statistics.h"
 #include "measure/test_lights.h"
 
 namespace relume::bench {

@@ -19,7 +19,7 @@ install(DIRECTORY src/core DESTINATION ${RELUME_HEADER_DIR} ${only_headers})
 install(DIRECTORY compute DESTINATION ${RELUME_HEADER_DIR} ${only_headers})
 install(DIRECTORY kernels/shared DESTINATION ${RELUME_HEADER_DIR}/kernels ${only_headers})
 # For shaders of the renderer.
-install(FILES kernels/include/relume_sample_lightmap.glsl DESTINATION ${RELUME_HEADER_DIR}/kernels)
+install(FILES kernels/include/relume_sample_lightmap.glsl kernels/include/relume_sample_probes.glsl DESTINATION ${RELUME_HEADER_DIR}/kernels)
 if(RELUME_PRECOMPUTE)
   install(DIRECTORY src/scene DESTINATION ${RELUME_HEADER_DIR} ${only_headers} PATTERN "import" EXCLUDE)
   install(DIRECTORY precompute DESTINATION ${RELUME_HEADER_DIR} ${only_headers})

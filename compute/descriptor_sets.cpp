@@ -81,6 +81,19 @@ void plan_block_sets(const std::vector<BlockLayout>& blocks, std::span<const Buf
   }
 }
 
+void plan_probe_sets(const std::vector<ProbeBlockLayout>& blocks, std::span<const BufferRange> ranges,
+                     const BufferRange& coefficients, std::vector<VkDescriptorSet>& sets,
+                     std::vector<SetPlan>& plans) {
+  sets.resize(blocks.size());
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    SetPlan plan{kernels::kBlockSet, &sets[b], {}, {}};
+    for (std::uint32_t i = 0; i < kProbeBuffers; ++i)
+      plan.bindings.push_back(whole(ranges[blocks[b].first_buffer + i]));
+    plan.bindings.push_back(whole(coefficients));
+    plans.push_back(std::move(plan));
+  }
+}
+
 Result<void> make_texel_views(const HostDevice& host, const DeviceFunctions& functions,
                               VkDeviceSize max_texels, std::vector<SetPlan>& plans,
                               std::vector<VulkanHandle<VkBufferView>>& views) {
@@ -103,8 +116,8 @@ Result<VulkanHandle<VkDescriptorPool>> make_pool(const HostDevice& host, const D
                                                  const std::vector<SetPlan>& plans) {
   SetShape bindings;
   for (const SetPlan& plan : plans) {
-    bindings.storage_buffers += static_cast<std::uint32_t>(plan.bindings.size());
-    bindings.texel_buffers += static_cast<std::uint32_t>(plan.texels.size());
+    bindings.storage_buffers += set_shape(plan.layout).storage_buffers;
+    bindings.texel_buffers += set_shape(plan.layout).texel_buffers;
   }
   return make_descriptor_pool(host, functions, static_cast<std::uint32_t>(plans.size()), bindings);
 }
@@ -173,11 +186,13 @@ Result<SolveSets> make_solve_sets(const HostDevice& host, const DeviceFunctions&
 
 Result<SystemSets> make_system_sets(const HostDevice& host, const DeviceFunctions& functions,
                                     const Pipelines& pipelines, const SystemLayout& layout,
-                                    std::span<const BufferRange> ranges, VkDeviceSize max_texels) {
+                                    std::span<const BufferRange> ranges, const BufferRange& coefficients,
+                                    VkDeviceSize max_texels) {
   SystemSets sets;
   std::vector<SetPlan> plans = {plan_system_set(ranges, sets.system)};
   plan_block_sets(layout.bounce, ranges, sets.bounce, plans);
   plan_block_sets(layout.gather, ranges, sets.gather, plans);
+  plan_probe_sets(layout.probes, ranges, coefficients, sets.probes, plans);
   if (auto made = make_texel_views(host, functions, max_texels, plans, sets.texel_views); !made) {
     return tl::unexpected<Error>(made.error());
   }

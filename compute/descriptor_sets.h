@@ -26,16 +26,19 @@ struct SystemSets {
   VkDescriptorSet system = VK_NULL_HANDLE;
   std::vector<VkDescriptorSet> bounce;  ///< per block
   std::vector<VkDescriptorSet> gather;  ///< per block
+  std::vector<VkDescriptorSet> probes;  ///< per block
 };
 
 /// `ranges` has one entry per buffer of the layout of the whole solve.
 Result<SolveSets> make_solve_sets(const HostDevice& host, const DeviceFunctions& functions,
                                   const Pipelines& pipelines, std::span<const BufferRange> ranges);
 
-/// `ranges` has one entry per buffer of the system. Texel buffers show no more than `max_texels` elements; a
-/// device that has fewer than a buffer holds must use MatrixFetch::storage.
+/// `ranges` has one entry per buffer of the system; `coefficients`: of the probes of all. Texel buffers show
+/// no more than `max_texels` elements; a device that has fewer than a buffer holds must use
+/// MatrixFetch::storage.
 Result<SystemSets> make_system_sets(const HostDevice& host, const DeviceFunctions& functions,
                                     const Pipelines& pipelines, const SystemLayout& layout,
-                                    std::span<const BufferRange> ranges, VkDeviceSize max_texels);
+                                    std::span<const BufferRange> ranges, const BufferRange& coefficients,
+                                    VkDeviceSize max_texels);
 
 }  // namespace relume

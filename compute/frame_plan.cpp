@@ -19,7 +19,7 @@ std::uint64_t cost_of(const SystemTraits& traits, StepKernel kernel) {
 std::uint64_t pass_cost(const SystemTraits& traits, std::uint32_t bounces) {
   const std::uint64_t import = cost_of(traits, StepKernel::import_radiosity);
   return bounces * (import + cost_of(traits, StepKernel::bounce) + cost_of(traits, StepKernel::nodes)) +
-         import + cost_of(traits, StepKernel::gather);
+         import + cost_of(traits, StepKernel::gather) + cost_of(traits, StepKernel::probes);
 }
 
 StepKernel kernel_of(PassStage stage) {
@@ -35,6 +35,8 @@ StepKernel kernel_of(PassStage stage) {
       return StepKernel::residual;
     case PassStage::gather:
       return StepKernel::gather;
+    case PassStage::probes:
+      return StepKernel::probes;
     case PassStage::import:
     case PassStage::gather_import:
     case PassStage::done:
@@ -179,6 +181,9 @@ class Planner {
         pass.stage = PassStage::gather;
         return;
       case PassStage::gather:
+        pass.stage = PassStage::probes;
+        return;
+      case PassStage::probes:
         barrier_due_ = true;
         for (const std::uint32_t s : pass.systems) publish(s);
         [[fallthrough]];

@@ -154,7 +154,7 @@ FramePlan GpuSolver::plan(const Schedule& schedule, const PassWishes& wishes) co
 }
 
 UploadData GpuSolver::model_data(const Model& model) const {
-  UploadData data = sky_upload(model);
+  UploadData data = model_upload(model);
   data.targets = state_->ranges;
   return data;
 }
@@ -212,6 +212,12 @@ BufferRange GpuSolver::irradiance(std::uint32_t system) const {
   const LoadedSystem& loaded = *state_->systems[system];
   const BufferRange& whole = loaded.ranges[kIrradiance];
   return {whole.buffer, whole.offset, loaded.layout.gather_rows * kRgbBytes};
+}
+
+BufferRange GpuSolver::probe_coefficients() const {
+  if (state_->layout.probes == 0) return {};
+  const BufferRange& whole = state_->ranges[kProbeCoefficients];
+  return {whole.buffer, whole.offset, state_->layout.probes * kProbeBytes};
 }
 
 BufferRange GpuSolver::residuals() const {

@@ -16,8 +16,8 @@
 // plans. What the host asked a dropped one to copy, it copies again.
 //
 // A frame, in this order: copies of what changed; nodes of the sky; `write_direct`, the host's own direct
-// light; the plan's bounces and gathers, from the radiosity that the last frame left; per system whose
-// outputs are complete, copies of its irradiance, then `publish`; the report.
+// light; the plan's bounces and gathers, those of light probes among them, from the radiosity that the last
+// frame left; per system whose outputs are complete, copies of its irradiance, then `publish`; the report.
 //
 // Frames in flight: any number. Everything on the device is shared by them and ordered by barriers, so they
 // must go to one queue (or the host orders queues by semaphores). What belongs to a frame alone is what the
@@ -32,8 +32,8 @@
 //
 //   record_upload    TRANSFER write -> TRANSFER write, of the buffers that the data names
 //   record_frame     TRANSFER read of the sources of copies, TRANSFER write of inputs
-//                    -> COMPUTE_SHADER write of radiosity, irradiance and residuals, TRANSFER write of
-//                    targets and report
+//                    -> COMPUTE_SHADER write of radiosity, irradiance, probes and residuals, TRANSFER write
+//                    of targets and report
 //
 // Both begin with a barrier after, and end with one before, all COMPUTE_SHADER and TRANSFER work on the
 // queue, so that a host that reads results in these stages, or writes inputs in them before, needs none of
@@ -228,6 +228,10 @@ class GpuSolver {
   /// ... four floats per gather row (lumels, then sensors; lm/m2), whole when the system was published and
   /// until its next gather begins, ...
   BufferRange irradiance(std::uint32_t system) const;
+  /// ... likewise nine times four floats per light probe of all systems (Probe::name), in the order of
+  /// Harmonics (core/probe_coefficients.h; cd/m2 sr^1/2, the last of four is 0): empty without probes. Those
+  /// of a system that was never published are 0, as model_data() left them, ...
+  BufferRange probe_coefficients() const;
   /// ... and bytes for read_residuals.
   BufferRange residuals() const;
 

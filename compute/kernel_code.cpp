@@ -19,6 +19,7 @@
 #include "spirv/lightmap_rgba16f.h"
 #include "spirv/materials.h"
 #include "spirv/nodes.h"
+#include "spirv/probes.h"
 #include "spirv/residual.h"
 #include "spirv/screen.h"
 #include "spirv/shadow_rays.h"
@@ -50,6 +51,8 @@ std::span<const std::uint32_t> kernel_code(KernelId kernel) {
       return gather_tile_shuffle_spirv;
     case KernelId::nodes:
       return nodes_spirv;
+    case KernelId::probes:
+      return probes_spirv;
     case KernelId::residual:
       return residual_spirv;
     case KernelId::lightmap_rgba16f:
@@ -100,6 +103,8 @@ const char* kernel_file_name(KernelId kernel) {
       return "gather_tile_shuffle";
     case KernelId::nodes:
       return "nodes";
+    case KernelId::probes:
+      return "probes";
     case KernelId::residual:
       return "residual";
     case KernelId::lightmap_rgba16f:

@@ -19,6 +19,7 @@ enum class KernelId : std::uint32_t {
   bounce_tile_shuffle,
   gather_tile_shuffle,
   nodes,
+  probes,
   residual,
   lightmap_rgba16f,
   lightmap_r11g11b10f,

@@ -54,6 +54,7 @@ void latch_failure(SolverState& state, const Error& error) {
 Result<SystemLayout> loadable_layout(const SolverState& state, const Model& model, std::uint32_t system) {
   if (state.failure) return tl::unexpected<Error>(*state.failure);
   if (model.systems.size() != state.layout.systems || model.sky_cells.size() != state.layout.sky_patches ||
+      model.probe_names.size() != state.layout.probes ||
       model.sky_tree.nodes.size() != state.layout.sky_nodes) {
     return fail(ErrorCode::usage, "the model has " + std::to_string(model.systems.size()) + " systems and " +
                                       std::to_string(model.sky_cells.size()) +
@@ -84,8 +85,9 @@ Result<void> load_system(SolverState& state, const Model& model, std::uint32_t i
     latch_failure(state, added.error());
     return added;
   }
-  auto sets =
-      make_system_sets(state.host, state.functions, state.pipelines, *layout, *exact, state.max_texels);
+  if (state.ranges.empty()) return fail(ErrorCode::usage, "buffers are bound before systems are loaded");
+  auto sets = make_system_sets(state.host, state.functions, state.pipelines, *layout, *exact,
+                               state.ranges[kProbeCoefficients], state.max_texels);
   if (!sets) {
     latch_failure(state, sets.error());
     return tl::unexpected<Error>(sets.error());

@@ -53,6 +53,28 @@ std::vector<DispatchStep> plan_rows(const BlockMatrix& matrix, RowKernel row_ker
   return steps;
 }
 
+std::vector<DispatchStep> plan_probes(const System& system, const std::vector<ProbeBlockLayout>& blocks,
+                                      std::uint64_t max_form_factors) {
+  constexpr std::uint32_t kMost = kernels::kMaxWorkgroups * kernels::kProbesPerWorkgroup;
+  std::vector<DispatchStep> steps;
+  for (std::uint32_t b = 0; b < blocks.size(); ++b) {
+    for (std::uint32_t p = 0; p < blocks[b].probe_count; ++p) {
+      const std::uint64_t cost = system.probes[blocks[b].first_probe + p].sender_count * kProbeEntryCost;
+      const bool full =
+          p == 0 || steps.back().cost + cost > max_form_factors || steps.back().range.count == kMost;
+      if (full) {
+        steps.emplace_back().range.first_row = p;
+        steps.back().block = b;
+      }
+      DispatchStep& step = steps.back();
+      step.cost += cost;
+      ++step.range.count;
+      step.workgroups = (step.range.count + kernels::kProbesPerWorkgroup - 1) / kernels::kProbesPerWorkgroup;
+    }
+  }
+  return steps;
+}
+
 /// One dispatch over elements, each read once; its kernel strides when they are more than the workgroups.
 std::vector<DispatchStep> plan_elements(std::uint32_t count, std::uint64_t cost) {
   if (count == 0) return {};
@@ -101,6 +123,7 @@ SystemDispatches plan_dispatches(const System& system, const SystemLayout& layou
   set(StepKernel::nodes, plan_nodes(system.tree, layout.clusters));
   set(StepKernel::residual, plan_elements(layout.clusters, layout.clusters));
   set(StepKernel::gather, plan_rows(system.gather, row_kernel, fetch, max_form_factors));
+  set(StepKernel::probes, plan_probes(system, layout.probes, max_form_factors));
   return all;
 }
 

@@ -16,8 +16,8 @@
 namespace relume {
 
 /// What a dispatch does, in the order of a pass (compute/schedule.h).
-enum class StepKernel : std::uint32_t { start, import_radiosity, bounce, nodes, residual, gather };
-inline constexpr std::size_t kStepKernels = 6;
+enum class StepKernel : std::uint32_t { start, import_radiosity, bounce, nodes, residual, gather, probes };
+inline constexpr std::size_t kStepKernels = 7;
 
 /// What a row kernel is compiled for.
 struct BlockFormat {
@@ -30,12 +30,16 @@ struct BlockFormat {
 /// One dispatch. What depends on the half in range is filled in when it is recorded.
 struct DispatchStep {
   BlockFormat format{};
-  std::uint32_t block = 0;  ///< of the bounce or gather matrix
+  std::uint32_t block = 0;  ///< of the bounce or gather matrix, or of the probes
   kernels::Range range{};
   std::uint32_t workgroups = 0;
-  std::uint64_t cost =
-      0;  ///< form factors, zeros of tiles included; of other kernels, the vec4 that they read
+  /// Form factors, zeros of tiles included; of probes, kProbeEntryCost for each entry of their lists; of
+  /// other kernels, the vec4 that they read.
+  std::uint64_t cost = 0;
 };
+
+/// An entry of a probe has nine values.
+inline constexpr std::uint64_t kProbeEntryCost = 9;
 
 /// Per kernel. Dispatches of one kernel need no barriers between them.
 using SystemDispatches = std::array<std::vector<DispatchStep>, kStepKernels>;
@@ -50,8 +54,8 @@ RowKernel row_kernel_for(RowKernel chosen, std::uint32_t tile_rows);
 /// Workgroups that give `threads` invocations, at most kernels::kMaxWorkgroups.
 std::uint32_t workgroup_count(std::uint64_t threads);
 
-/// Rows are cut into dispatches of at most `max_form_factors` form factors, but at least one tile; a kernel
-/// without elements has no dispatch.
+/// Rows are cut into dispatches of at most `max_form_factors` form factors, but at least one tile, or probe;
+/// a kernel without elements has no dispatch.
 SystemDispatches plan_dispatches(const System& system, const SystemLayout& layout, RowKernel row_kernel,
                                  MatrixFetch fetch, std::uint64_t max_form_factors);
 

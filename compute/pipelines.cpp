@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "compute/pipelines.h"
 
-#include "compute/pipeline_objects.h"
 #include "kernels/shared/records.h"
 
 namespace relume {
@@ -52,6 +51,10 @@ KernelId gather_kernel(RowKernel row_kernel) {
 
 }  // namespace
 
+SetShape set_shape(std::uint32_t set) {
+  return kSetShapes[set];
+}
+
 KernelId step_kernel_id(StepKernel step, RowKernel row_kernel, std::uint32_t tile_rows) {
   const RowKernel of_rows = row_kernel_for(row_kernel, tile_rows);
   switch (step) {
@@ -65,6 +68,8 @@ KernelId step_kernel_id(StepKernel step, RowKernel row_kernel, std::uint32_t til
       return KernelId::nodes;
     case StepKernel::residual:
       return KernelId::residual;
+    case StepKernel::probes:
+      return KernelId::probes;
     case StepKernel::import_radiosity:
       break;
   }
@@ -74,7 +79,7 @@ KernelId step_kernel_id(StepKernel step, RowKernel row_kernel, std::uint32_t til
 Result<Pipelines> Pipelines::create(const HostDevice& host, const DeviceFunctions& functions) {
   Pipelines pipelines(host, functions);
   for (std::uint32_t set = 0; set < kernels::kSets; ++set) {
-    auto layout = make_set_layout(host, functions, kSetShapes[set]);
+    auto layout = make_set_layout(host, functions, set_shape(set));
     if (!layout) return tl::unexpected<Error>(layout.error());
     pipelines.set_layouts_[set] = std::move(*layout);
   }

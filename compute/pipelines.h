@@ -11,6 +11,7 @@
 #include "compute/host_device.h"
 #include "compute/kernel_code.h"
 #include "compute/pass_plan.h"
+#include "compute/pipeline_objects.h"
 #include "compute/vulkan_handle.h"
 #include "core/block_matrix.h"
 #include "core/result.h"
@@ -20,6 +21,9 @@ namespace relume {
 
 /// The kernel that does a step, on rows in tiles of `tile_rows`.
 KernelId step_kernel_id(StepKernel step, RowKernel row_kernel, std::uint32_t tile_rows);
+
+/// What a set of kernels/shared/bindings.h binds.
+SetShape set_shape(std::uint32_t set);
 
 class Pipelines {
  public:

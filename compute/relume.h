@@ -64,6 +64,8 @@ const char* relume_model_system_name(const relume_model* model, uint32_t system)
 uint32_t relume_model_cluster_count(const relume_model* model, uint32_t system);
 /* Lumels, then sensors. */
 uint32_t relume_model_gather_row_count(const relume_model* model, uint32_t system);
+/* Light probes of all systems. */
+uint32_t relume_model_probe_count(const relume_model* model);
 uint32_t relume_model_sky_patch_count(const relume_model* model);
 /* What RELUME_SKY wants, four floats per patch: pi x the mean of an equirectangular image over each patch.
  * Three floats a pixel, cd/m2; row 0 is +Y, the centre column -Z, +X to the right of it; neither side is 0.
@@ -251,6 +253,9 @@ typedef struct relume_input_copy {
 relume_buffer_range relume_input(const relume_solver* solver, uint32_t system, relume_quantity quantity);
 relume_buffer_range relume_radiosity(const relume_solver* solver, uint32_t system);
 relume_buffer_range relume_irradiance(const relume_solver* solver, uint32_t system);
+/* Nine times four floats per light probe: coefficients of incident radiance (cd/m2 sr^1/2, the
+ * last of four is 0), Y00; y, z, x; xy, yz, 3z2 - 1, xz, x2 - y2, without the light of punctual lights. */
+relume_buffer_range relume_probe_coefficients(const relume_solver* solver);
 /* Direct irradiance per gather row of a system with lights. */
 relume_buffer_range relume_direct_irradiance(const relume_solver* solver, uint32_t system);
 

@@ -18,8 +18,9 @@
 //   M + rho H changes by at most d      E grows by delta = d + F(delta): what B_exact moves
 //   what a bounce of T gains            E_T - F_T(E)
 //
-// and the same with G for the error of what was gathered. It is the bound of core/solve.h with weights of 1.
-// Slow drifts add up in E, so none is lost.
+// and the same with G for the error of what was gathered; of a probe counts what a plane through it can
+// receive at most (shares: solid angle / pi). It is the bound of core/solve.h with weights of 1. Slow drifts
+// add up in E, so none is lost.
 #pragma once
 
 #include <cstdint>
@@ -54,7 +55,7 @@ struct SystemTraits {
   bool loaded = false;
   std::vector<std::uint64_t> costs[kStepKernels];  ///< of its dispatches, per StepKernel
   CouplingRow bounce;                              ///< row of C, and q
-  CouplingRow gather;                              ///< the same of G: no albedo
+  CouplingRow gather;                              ///< the same of G, and of probes: no albedo
 };
 
 /// Costs and couplings of a system that is loaded in `model`. `albedo` per cluster: what it will be at most;
@@ -82,6 +83,7 @@ enum class PassStage : std::uint32_t {
   residual,
   gather_import,
   gather,
+  probes,
   done
 };
 

@@ -11,6 +11,7 @@ namespace relume {
 namespace {
 
 static_assert(sizeof(kernels::vec4) == kRgbBytes);
+static_assert(sizeof(ProbeSender) == kernels::kProbeSenderUints * sizeof(kernels::uint));
 
 template <class Element>
 std::span<const std::byte> bytes_of(const std::vector<Element>& elements) {
@@ -69,6 +70,17 @@ void add_stored_lighting(UploadData& data, const System& system) {
   data.add_owned(kWeights, 0, rgb_bytes(std::vector<Rgb>(albedo.size(), Rgb(1.0))));
 }
 
+void add_probes(UploadData& data, const System& system, const ProbeBlockLayout& block) {
+  std::vector<kernels::uint> lists;
+  for (const Probe& probe : std::span(system.probes).subspan(block.first_probe, block.probe_count)) {
+    const kernels::uint first = probe.first_sender - block.first_sender;
+    lists.insert(lists.end(), {first, first + probe.sender_count, probe.name});
+  }
+  data.add_owned(block.first_buffer + kProbeLists, 0, owned_bytes(lists));
+  const auto senders = std::span(system.probe_senders).subspan(block.first_sender, block.sender_count);
+  data.pieces.push_back({block.first_buffer + kProbeSenders, 0, std::as_bytes(senders)});
+}
+
 }  // namespace
 
 std::vector<std::byte> rgb_bytes(std::span<const Rgb> values) {
@@ -81,11 +93,12 @@ std::vector<std::byte> rgb_bytes(std::span<const Rgb> values) {
   return owned_bytes(converted);
 }
 
-UploadData sky_upload(const Model& model) {
+UploadData model_upload(const Model& model) {
   UploadData data;
   data.add_owned(kRadiosity, 0, rgb_bytes(std::vector<Rgb>(model.sky_cells.size(), Rgb(0.0))));
   data.add_owned(kSkyNodes, 0, owned_bytes(node_records(model.sky_tree)));
   data.pieces.push_back({kSkyShares, 0, bytes_of(model.sky_tree.shares)});
+  data.add_owned(kProbeCoefficients, 0, std::vector<std::byte>(model.probe_names.size() * kProbeBytes));
   return data;
 }
 
@@ -98,6 +111,7 @@ UploadData system_upload(const Model& model, std::uint32_t index, const SystemLa
   add_stored_lighting(data, system);
   add_blocks(data, system.bounce, layout.bounce);
   add_blocks(data, system.gather, layout.gather);
+  for (const ProbeBlockLayout& block : layout.probes) add_probes(data, system, block);
   return data;
 }
 

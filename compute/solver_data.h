@@ -14,8 +14,8 @@
 
 namespace relume {
 
-/// Nodes and weights of the sky, and a black sky; buffers by SolveBuffer.
-UploadData sky_upload(const Model& model);
+/// Nodes and weights of the sky, a black sky, and probes that know nothing; buffers by SolveBuffer.
+UploadData model_upload(const Model& model);
 
 /// Imports, nodes, matrices, and albedo and exitance as stored; no direct light, weights of 1. Refers to
 /// `model`. Buffers as in the layout.

@@ -18,6 +18,9 @@ static_assert(kImports == kernels::kImportsBinding && kLocalRadiosity == kernels
               kWeights == kernels::kWeightsBinding && kNodes == kernels::kNodesBinding &&
               kNodeShares == kernels::kNodeSharesBinding && kSystemBuffers == kernels::kSystemBindings);
 
+static_assert(kProbeLists == kernels::kProbeListsBinding && kProbeSenders == kernels::kProbeSendersBinding &&
+              kProbeBuffers == kernels::kProbeCoefficientsBinding);
+
 constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
                                       VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                                       VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
@@ -91,6 +94,29 @@ void add_system_buffers(const SystemLayout& layout, BufferList& buffers) {
   buffers.add("node shares", layout.node_leaves * sizeof(float));
 }
 
+/// A probe alone has its block, however long its list.
+std::vector<ProbeBlockLayout> probe_blocks(const System& system) {
+  constexpr std::uint64_t kMost = kMaxBlockBytes / sizeof(ProbeSender);
+  std::vector<ProbeBlockLayout> blocks;
+  for (std::uint32_t p = 0; p < system.probes.size(); ++p) {
+    const Probe& probe = system.probes[p];
+    if (blocks.empty() || std::uint64_t{blocks.back().sender_count} + probe.sender_count > kMost)
+      blocks.push_back({p, 0, probe.first_sender, 0, 0});
+    ++blocks.back().probe_count;
+    blocks.back().sender_count += probe.sender_count;
+  }
+  return blocks;
+}
+
+/// In the order of ProbeBuffer.
+void add_probe_buffers(std::vector<ProbeBlockLayout>& blocks, BufferList& buffers) {
+  for (ProbeBlockLayout& block : blocks) {
+    block.first_buffer = buffers.add(
+        "probes", VkDeviceSize{block.probe_count} * kernels::kProbeListUints * sizeof(std::uint32_t));
+    buffers.add("probe senders", VkDeviceSize{block.sender_count} * sizeof(ProbeSender));
+  }
+}
+
 /// In the order of SolveBuffer.
 void add_solve_buffers(const SolverLayout& layout, BufferList& buffers) {
   buffers.add("radiosity", (layout.sky_senders() + 2 * VkDeviceSize{layout.sender_capacity}) * kRgbBytes);
@@ -98,6 +124,7 @@ void add_solve_buffers(const SolverLayout& layout, BufferList& buffers) {
   buffers.add("residuals", layout.systems * sizeof(kernels::ResidualRecord));
   buffers.add("sky nodes", layout.sky_nodes * sizeof(kernels::uvec4));
   buffers.add("sky node shares", layout.sky_node_leaves * sizeof(float));
+  buffers.add("probe coefficients", layout.probes * kProbeBytes);
 }
 
 Result<void> check_sizes(const std::vector<BufferRequirement>& buffers, VkDeviceSize max_range) {
@@ -130,6 +157,7 @@ Result<SolverLayout> solver_layout(const Model& model, std::uint32_t sender_capa
   layout.sky_patches = count(model.sky_cells.size());
   layout.sky_nodes = count(model.sky_tree.nodes.size());
   layout.sky_node_leaves = count(model.sky_tree.shares.size());
+  layout.probes = count(model.probe_names.size());
   layout.sender_capacity = sender_capacity;
   BufferList buffers(layout.buffers, "", limits.alignment);
   add_solve_buffers(layout, buffers);
@@ -154,6 +182,8 @@ Result<SystemLayout> system_layout(const Model& model, std::uint32_t index, cons
   add_system_buffers(layout, buffers);
   layout.bounce = matrix_layout(system.bounce, "bounce", limits.alignment, buffers);
   layout.gather = matrix_layout(system.gather, "gather", limits.alignment, buffers);
+  layout.probes = probe_blocks(system);
+  add_probe_buffers(layout.probes, buffers);
   if (auto checked = check_sizes(layout.buffers, limits.max_range); !checked) {
     return tl::unexpected<Error>(checked.error());
   }

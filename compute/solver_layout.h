@@ -30,6 +30,7 @@ enum SolveBuffer : std::uint32_t {
   kResiduals,
   kSkyNodes,
   kSkyShares,
+  kProbeCoefficients,
   kSolveBuffers
 };
 
@@ -47,6 +48,9 @@ enum SystemBuffer : std::uint32_t {
   kSystemBuffers,
 };
 
+/// Buffers of a block of light probes: the first bindings of kBlockSet for them, in their order.
+enum ProbeBuffer : std::uint32_t { kProbeLists, kProbeSenders, kProbeBuffers };
+
 /// A part of a buffer.
 struct Section {
   VkDeviceSize offset = 0;
@@ -61,6 +65,15 @@ struct BlockLayout {
   std::array<Section, kernels::kBlockBindings> sections;
 };
 
+/// Light probes that stand together, so that their list fits a buffer of kMaxBlockBytes.
+struct ProbeBlockLayout {
+  std::uint32_t first_probe = 0;
+  std::uint32_t probe_count = 0;
+  std::uint32_t first_sender = 0;
+  std::uint32_t sender_count = 0;
+  std::uint32_t first_buffer = 0;  ///< of the system: its kProbeLists
+};
+
 struct SystemLayout {
   std::uint32_t clusters = 0;
   std::uint32_t nodes = 0;
@@ -71,6 +84,7 @@ struct SystemLayout {
   std::vector<BufferRequirement> buffers;
   std::vector<BlockLayout> bounce;
   std::vector<BlockLayout> gather;
+  std::vector<ProbeBlockLayout> probes;
 
   /// Of one half of its radiosity.
   std::uint32_t senders() const { return clusters + nodes; }
@@ -81,6 +95,7 @@ struct SolverLayout {
   std::uint32_t sky_patches = 0;
   std::uint32_t sky_nodes = 0;
   std::uint32_t sky_node_leaves = 0;  ///< of all nodes together
+  std::uint32_t probes = 0;           ///< of all systems
   std::uint32_t sender_capacity = 0;  ///< senders of all systems that are loaded at a time, in one half
   std::vector<BufferRequirement> buffers;
 
@@ -90,6 +105,9 @@ struct SolverLayout {
 
 /// Bytes of an RGB quantity per element on the device (vec4).
 inline constexpr VkDeviceSize kRgbBytes = 16;
+
+/// Bytes of the coefficients of a probe.
+inline constexpr VkDeviceSize kProbeBytes = kernels::kProbeHarmonics * kRgbBytes;
 
 /// Senders of the systems that are loaded in `model`.
 std::uint32_t loaded_senders(const Model& model);

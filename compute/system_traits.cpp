@@ -4,6 +4,7 @@
 
 #include "compute/schedule.h"
 #include "core/block_matrix.h"
+#include "core/quantities.h"
 
 namespace relume {
 namespace {
@@ -20,31 +21,64 @@ std::vector<Coupling> parts_of(const Model& model, const SenderRef& sender) {
   return parts;
 }
 
-/// The largest of factor(row) x what a row sees of each system, over the rows of a matrix.
-template <class Factor>
-CouplingRow largest_shares(const Model& model, const System& system, const BlockMatrix& matrix,
-                           const Factor& factor) {
-  std::vector<std::vector<Coupling>> parts;
-  for (const SenderRef& sender : system.imports) parts.push_back(parts_of(model, sender));
-  const std::size_t sky = model.systems.size();
-  std::vector<double> largest(sky + 1, 0.0), of_row(sky + 1);
-  CouplingRow result;
-  const CsrMatrix rows = decode(matrix);
-  for (std::uint32_t row = 0; row < rows.rows; ++row) {
-    std::fill(of_row.begin(), of_row.end(), 0.0);
-    for (std::uint64_t e = rows.row_offsets[row]; e < rows.row_offsets[row + 1]; ++e) {
-      for (const Coupling& part : parts[rows.column_indices[e]]) {
-        of_row[part.system] += rows.values[e] * part.share;
+/// What rows see of each system, at most.
+class LargestShares {
+ public:
+  LargestShares(const Model& model, const System& system)
+      : largest_(model.systems.size() + 1, 0.0), of_row_(largest_.size(), 0.0) {
+    for (const SenderRef& sender : system.imports) parts_.push_back(parts_of(model, sender));
+  }
+
+  /// A share of the row that is at hand.
+  void see(std::uint32_t column, double share) {
+    for (const Coupling& part : parts_[column]) of_row_[part.system] += share * part.share;
+  }
+
+  /// The row at hand is whole; it counts `factor` times what it sees.
+  void finish_row(double factor) {
+    const double of_systems = std::accumulate(of_row_.begin(), of_row_.end() - 1, 0.0);
+    total_ = std::max(total_, factor * of_systems);
+    for (std::size_t s = 0; s < largest_.size(); ++s)
+      largest_[s] = std::max(largest_[s], factor * of_row_[s]);
+    std::fill(of_row_.begin(), of_row_.end(), 0.0);
+  }
+
+  template <class Factor>
+  void add(const BlockMatrix& matrix, const Factor& factor) {
+    const CsrMatrix rows = decode(matrix);
+    for (std::uint32_t row = 0; row < rows.rows; ++row) {
+      for (std::uint64_t e = rows.row_offsets[row]; e < rows.row_offsets[row + 1]; ++e) {
+        see(rows.column_indices[e], rows.values[e]);
       }
+      finish_row(factor(row));
     }
-    for (std::size_t s = 0; s <= sky; ++s) largest[s] = std::max(largest[s], factor(row) * of_row[s]);
-    const double of_systems = std::accumulate(of_row.begin(), of_row.end() - 1, 0.0);
-    result.total = std::max(result.total, factor(row) * of_systems);
   }
-  for (std::uint32_t s = 0; s <= sky; ++s) {
-    if (largest[s] > 0.0) result.shares.push_back({s, largest[s]});
+
+  CouplingRow result() const {
+    CouplingRow result{{}, total_};
+    for (std::uint32_t s = 0; s < largest_.size(); ++s) {
+      if (largest_[s] > 0.0) result.shares.push_back({s, largest_[s]});
+    }
+    return result;
   }
-  return result;
+
+ private:
+  std::vector<std::vector<Coupling>> parts_;  ///< per import
+  std::vector<double> largest_, of_row_;      ///< per system, then the sky
+  double total_ = 0.0;
+};
+
+/// A plane through a probe receives at most solid angle / pi of a sender, and 1 of all.
+void add_probes(const System& system, LargestShares& shares) {
+  for (const Probe& probe : system.probes) {
+    double sum = 0.0;
+    for (std::uint32_t k = probe.first_sender; k < probe.first_sender + probe.sender_count; ++k) {
+      const ProbeSender& sender = system.probe_senders[k];
+      shares.see(sender.column, sender.solid_angle / kPi);
+      sum += sender.solid_angle / kPi;
+    }
+    shares.finish_row(1.0 / std::max(1.0, sum));
+  }
 }
 
 }  // namespace
@@ -62,8 +96,12 @@ SystemTraits system_traits(const Model& model, std::uint32_t index, const System
     const auto& stored = system.clusters[row].albedo;
     return double{std::max({stored[0], stored[1], stored[2]})};
   };
-  traits.bounce = largest_shares(model, system, system.bounce, reflected);
-  traits.gather = largest_shares(model, system, system.gather, [](std::uint32_t) { return 1.0; });
+  LargestShares bounce(model, system), gather(model, system);
+  bounce.add(system.bounce, reflected);
+  gather.add(system.gather, [](std::uint32_t) { return 1.0; });
+  add_probes(system, gather);
+  traits.bounce = bounce.result();
+  traits.gather = gather.result();
   return traits;
 }
 

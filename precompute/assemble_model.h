@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/model.h"
+#include "precompute/light_probes.h"
 #include "precompute/number_senders.h"
 #include "precompute/precompute.h"
 #include "precompute/rows.h"
@@ -25,6 +26,7 @@ struct ModelParts {
   const std::vector<std::vector<std::uint32_t>>& element_orders;  ///< per system: as the model stores them
   const std::vector<SystemTiles>& tiles;  ///< per system; empty: rows are full, each a tile of its leaves
   const NodeFlux* flux = nullptr;         ///< of the nodes that tiles keep; without tiles there is none
+  const ProbeRows& probes;
   const Emitters& emitters;
   const SenderTree& senders;
   std::uint32_t cluster_count = 0;

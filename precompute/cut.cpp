@@ -19,11 +19,14 @@ constexpr float kAtLeast = 0.1f;
 /// from its spot at first hand. Spots are no smaller than this share of the room's surface.
 constexpr float kSpots = 0.02f, kLeastSpot = 0.003f;
 
-/// Form factor over area, but for what stands between.
+/// Form factor over area, but for what stands between. A place without a normal, a light probe, is a plane
+/// that half faces the other.
 float density(const SurfacePoint& from, const NodeSurface& to) {
   const glm::vec3 way = to.centroid - from.position;
   const float squared = std::max(glm::dot(way, way), 0.25f * to.area);
-  const float here = glm::dot(way, from.normal), there = -glm::dot(way, to.normal);
+  const bool all_sides = from.normal == glm::vec3(0.0f);
+  const float here = all_sides ? 0.5f * glm::length(way) : glm::dot(way, from.normal);
+  const float there = -glm::dot(way, to.normal);
   return here <= 0.0f || there <= 0.0f ? 0.0f : here * there / (squared * squared);
 }
 

@@ -36,7 +36,7 @@ struct CutRow {
   const FormFactorRow* row = nullptr;
   float rays = 0.0f;
   float area = 0.0f;   ///< m2, of a point 0
-  SurfacePoint place;  ///< its middle
+  SurfacePoint place;  ///< its middle; of a light probe, without a normal
 };
 
 /// What rows are cut against; `flux`, if there is one, gets what they receive by way of the nodes that they

@@ -10,13 +10,6 @@
 namespace relume {
 namespace {
 
-/// Of a sample that one technique draws with `own` density and the other with `other`: the power heuristic of
-/// exponent 2. The balance heuristic would leave a small lamp's few hits by rays a share, and all of their
-/// noise.
-[[gnu::always_inline]] inline double weight(double own, double other) {
-  return own * own / (own * own + other * other);
-}
-
 /// All lanes at once; the same numbers from either version, for neither contracts nor reorders.
 [[gnu::target_clones("avx2", "default")]] void draw_origins(const SobolPoints& points, std::uint64_t key,
                                                             std::uint32_t first, const AreaSampler& receiver,
@@ -34,7 +27,7 @@ double weighted_form_factor(const Connections& connections, std::size_t emitter,
   const double distance = std::sqrt(squared);
   const double by_ray = connections.ray_count * towards / (kPi * distance);
   const double by_area = connections.area_count * chance * squared * distance / (area * back);
-  return area * towards * back / (kPi * squared * squared * chance) * weight(by_area, by_ray);
+  return area * towards * back / (kPi * squared * squared * chance) * power_heuristic(by_area, by_ray);
 }
 
 void set_ray(RayPacket& rays, std::size_t lane, const glm::vec3& from, const glm::vec3& way, bool useful) {
@@ -49,7 +42,15 @@ void set_ray(RayPacket& rays, std::size_t lane, const glm::vec3& from, const glm
 double ray_weight(const SampleCounts& counts, double emitter_area, double cos_receiver, double cos_emitter,
                   double distance) {
   const double by_ray = counts.rays * cos_receiver / kPi;
-  return weight(by_ray, counts.area * distance * distance / (emitter_area * std::max(cos_emitter, 1e-9)));
+  return power_heuristic(by_ray,
+                         counts.area * distance * distance / (emitter_area * std::max(cos_emitter, 1e-9)));
+}
+
+RowScales close_row(double emitted, double counted, double row_sum) {
+  const double difference = row_sum - emitted - counted;
+  const double squares = emitted * emitted + counted * counted;
+  if (!(squares > 0.0)) return {};
+  return {1.0 + emitted * difference / squares, 1.0 + counted * difference / squares};
 }
 
 void fill_connections(const Connections& connections, const SobolPoints& points, std::uint64_t key,

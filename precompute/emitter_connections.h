@@ -24,6 +24,22 @@ struct SampleCounts {
 double ray_weight(const SampleCounts& counts, double emitter_area, double cos_receiver, double cos_emitter,
                   double distance);
 
+/// The weight of a sample that one technique draws with `own` density and the other with `other`: the power
+/// heuristic of exponent 2. The balance heuristic would leave a small lamp's few hits by rays a share, and
+/// all of their noise.
+[[gnu::always_inline]] inline double power_heuristic(double own, double other) {
+  return own * own / (own * own + other * other);
+}
+
+/// What both parts of a row are multiplied by, so that they add up to what the rays measured.
+struct RowScales {
+  double emitted = 1.0, counted = 1.0;
+};
+
+/// `counted` is at most `row_sum`. Each part takes a share of the difference by the square of its size: a
+/// lamp's small part stays what its area samples say, and so does what little an emitting room leaves.
+RowScales close_row(double emitted, double counted, double row_sum);
+
 struct ConnectionPacket {
   RayPacket rays;  ///< near 0, far 1, from receiver to emitter; far < near where there is nothing to gain
   PointLanes origins;

@@ -112,6 +112,25 @@ SampledShare share_of(const Model& sample, std::uint32_t every) {
   return {share.clusters / clusters, share.elements / elements};
 }
 
+/// Of light probes, scaled from those of the sample to all.
+struct ProbeSums {
+  double entries = 0.0, bytes = 0.0;
+  double missing_bytes = 0.0;  ///< those of `bytes` that the sample does not have
+};
+
+ProbeSums probe_sums(const Model& sample, const SampleFacts& facts) {
+  if (sample.probe_names.empty()) return {};
+  ProbeSums sums;
+  for (const System& system : sample.systems) sums.entries += double(system.probe_senders.size());
+  const double own =
+      double(sizeof(ProbeSender)) * sums.entries + double(sizeof(Probe)) * double(sample.probe_names.size());
+  const double factor = double(facts.probes) / double(sample.probe_names.size());
+  sums.entries *= factor;
+  sums.bytes = factor * own + double(facts.volume_bytes);
+  sums.missing_bytes = sums.bytes - own;
+  return sums;
+}
+
 /// Of clusters: in the largest system.
 double largest_share(const Model& sample) {
   double all = 0.0, largest = 0.0;
@@ -148,13 +167,18 @@ PrecomputeEstimate extrapolate(const Model& sample, const SampleFacts& facts) {
   RowSums all = sums.clusters;
   all.add(sums.lumels), all.add(sums.sensors);
   PrecomputeEstimate estimate;
-  estimate.rows = std::uint64_t(all.rows);
-  estimate.nonzeros = std::uint64_t(all.nonzeros);
+  const ProbeSums probes = probe_sums(sample, facts);
+  estimate.rows = std::uint64_t(all.rows) + facts.probes;
+  estimate.nonzeros = std::uint64_t(all.nonzeros + probes.entries);
   const double sampled_matrices = matrix_bytes(sample);
-  const double rest = double(encode_model(sample).size()) - sampled_matrices;
+  const double rest = double(encode_model(sample).size()) - sampled_matrices + probes.missing_bytes;
   estimate.file_bytes = std::uint64_t(rest + all.bytes);
-  estimate.rays = std::uint64_t(double(facts.counts.rays + facts.counts.occlusion_rays) / share.elements);
-  estimate.seconds = facts.seconds_before + facts.seconds_rows / share.elements +
+  const double traced = double(facts.counts.rays + facts.counts.occlusion_rays);
+  const double of_probes = double(facts.counts.probe_rays);
+  const double more_probes = double(facts.probes) / std::max(1.0, double(sample.probe_names.size()));
+  const double all_rays = (traced - of_probes) / share.elements + of_probes * more_probes;
+  estimate.rays = std::uint64_t(all_rays);
+  estimate.seconds = facts.seconds_before + facts.seconds_rows * all_rays / std::max(traced, 1.0) +
                      facts.seconds_after * (1.0 + all.bytes / std::max(sampled_matrices, 1.0)) / 2.0;
   const double model = rest + all.bytes;
   const double while_traced = bytes_while_traced(sample, sums, facts, share, model);

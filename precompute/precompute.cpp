@@ -18,6 +18,7 @@
 #include "precompute/lift_sensor.h"
 #include "precompute/light_samples.h"
 #include "precompute/pilot.h"
+#include "precompute/place_probes.h"
 #include "precompute/process_memory.h"
 #include "precompute/rig.h"
 #include "precompute/trace_rows.h"
@@ -33,6 +34,9 @@ constexpr double kEnough = 1.1, kWorthwhile = 0.8;
 constexpr int kMostAttempts = 3;
 /// A target that is missed by more is told.
 constexpr double kToldFrom = 1.2;
+/// Light between probes that are placed automatically may be off by so much, or by the error target if that
+/// is more.
+constexpr double kProbeError = 0.15;
 constexpr std::uint32_t kMaxQuality = 1u << 20;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -51,6 +55,10 @@ Result<void> check_options(const PrecomputeOptions& options) {
   }
   if (!(options.error >= 0.0 && options.error < 1.0)) {
     return bad(fmt::format("error {}: expected above 0 and below 1 (5% or 0.05)", options.error));
+  }
+  if (!(options.probe_spacing >= 0.0) || !std::isfinite(options.probe_spacing)) {
+    return bad(fmt::format("probe spacing {}: expected a length in metres above 0 (or 0 for no grid)",
+                           options.probe_spacing));
   }
   if (options.quality != 0 && (options.quality < 8 || options.quality > kMaxQuality)) {
     return bad(fmt::format("quality {}: expected 8 to {} rays per lumel", options.quality, kMaxQuality));
@@ -158,7 +166,7 @@ Result<void> prepare(const Scene& scene, const PrecomputeOptions& options, const
     cluster_surfaces(scene, caster, report, share, known, surfaces);
     prepared.emplace(scene, surfaces, caster, options.seed);
     const bool too_many = sender_count(prepared->rows) > kMaxImports;  // some must be joined
-    if (!plan.cut && !too_many) {
+    if (!plan.cut && !too_many && !options.auto_probes) {
       prepared->senders = plain_senders(kSkyResolution, surfaces.systems);
       return {};
     }
@@ -196,6 +204,16 @@ void follow_target(const Surfaces& surfaces, const PrecomputeOptions& options, c
   if (plan.sensors.least < plan.sensors.rays) plan.sensors.exchange = plan.lumels.exchange;
 }
 
+/// Probes that turn out to see back faces speak for nothing.
+ProbeVolume without_invalid_probes(ProbeVolume volume, std::span<const ProbeRow> rows) {
+  for (ProbeCell& cell : volume.cells) {
+    for (std::uint32_t& probe : cell.probes) {
+      if (probe != kNoProbe && rows[probe].back_face_share > kInvalidProbeShare) probe = kNoProbe;
+    }
+  }
+  return volume;
+}
+
 /// All that rows are traced from.
 struct Start {
   const Scene& scene;
@@ -204,14 +222,16 @@ struct Start {
   const Surfaces& surfaces;
   const Preparation& prepared;
   std::vector<SurfacePoint> sensors;  ///< lifted
+  std::vector<ProbePoint> probes;
+  ProbeVolume volume;  ///< of them
 };
 
 Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& counts,
                           PrecomputeReport& report, const ProgressObserver& observer) {
-  const auto& [scene, options, caster, surfaces, prepared, sensors] = start;
+  const auto& [scene, options, caster, surfaces, prepared, sensors, probes, volume] = start;
   const auto rays_start = std::chrono::steady_clock::now();
-  auto rows = trace_rows(prepared.rows, surfaces, prepared.senders, sensors, plan, prepared.known(), counts,
-                         observer);
+  auto rows = trace_rows(prepared.rows, surfaces, prepared.senders, sensors, probes, plan, prepared.known(),
+                         counts, observer);
   if (!rows) return tl::unexpected(rows.error());
   report.rays = counts.rays;
   report.occlusion_rays += counts.occlusion_rays;
@@ -233,6 +253,7 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
                          rows->orders,
                          rows->tiles,
                          rows->flux ? &*rows->flux : nullptr,
+                         rows->probes,
                          prepared.emitters,
                          prepared.senders,
                          surfaces.cluster_count()};
@@ -240,6 +261,7 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
   report.seconds_rows = seconds_since(rows_start);
   if (!model) return model;
   add_sensors(options, rows->sensor_systems, *model);
+  if (!probes.empty()) model->probe_volume = without_invalid_probes(volume, rows->probes.rows);
   if (auto added = add_light_samples(surfaces.geometry, caster, *model); !added)
     return tl::unexpected(added.error());
   light_model(scene, surfaces.geometry, caster, *model, report.warnings);
@@ -249,10 +271,20 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
   return model;
 }
 
-/// The same with few rows.
-Result<PrecomputeEstimate> estimate_model(const Start& start, RowPlan plan, double seconds_before,
+std::vector<ProbePoint> some_of(const std::vector<ProbePoint>& points, std::size_t most) {
+  std::vector<ProbePoint> some;
+  const std::size_t every = std::max<std::size_t>(1, points.size() / most);
+  for (std::size_t i = 0; i < points.size(); i += every) some.push_back(points[i]);
+  return some;
+}
+
+/// The same with few rows and few probes.
+Result<PrecomputeEstimate> estimate_model(Start start, RowPlan plan, double seconds_before,
                                           const ProgressObserver& observer) {
   SampleFacts facts;
+  facts.probes = start.probes.size();
+  facts.volume_bytes = sizeof(std::uint32_t) * probe_volume_words(start.volume).size();
+  start.probes = some_of(start.probes, kSampledProbes), start.volume = {};
   facts.every = sample_every(start.surfaces.cluster_count());
   facts.cut = plan.cut;
   facts.seconds_before = seconds_before;
@@ -301,7 +333,14 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   report.seconds_surfaces = seconds_since(start);
   follow_target(*surfaces, options, *prepared, counts, plan);
   report.seconds_rays = seconds_since(start) - report.seconds_surfaces;
-  Start rows{scene, options, *caster, *surfaces, *prepared, {}};
+  Start rows{scene, options, *caster, *surfaces, *prepared, {}, options.probes, {}};
+  if (options.auto_probes || options.probe_spacing > 0.0) {
+    auto placed = options.auto_probes ? place_probes(prepared->rows, *prepared->probing,
+                                                     std::max(options.error, kProbeError), counts, observer)
+                                      : place_probe_grid(surfaces->geometry, *caster, options.probe_spacing);
+    if (!placed) return tl::unexpected(placed.error());
+    rows.probes = std::move(placed->points), rows.volume = std::move(placed->volume);
+  }
   for (const SensorPoint& sensor : options.sensors)
     rows.sensors.push_back(lift_sensor(surfaces->geometry, *caster, sensor.position, sensor.normal));
   if (estimate != nullptr || options.max_memory > 0) {

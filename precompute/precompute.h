@@ -26,6 +26,12 @@ struct SensorPoint {
   glm::dvec3 normal{0.0, 1.0, 0.0};
 };
 
+/// A light probe as given: world space.
+struct ProbePoint {
+  std::string name;
+  glm::dvec3 position{0.0};
+};
+
 /// Return false to cancel. `stage` is a human word ("rays"), `fraction` 0..1 of that stage. Called from any
 /// one thread at a time.
 using ProgressObserver = std::function<bool(std::string_view stage, double fraction)>;
@@ -52,6 +58,11 @@ struct PrecomputeOptions {
   std::uint64_t max_memory = 0;  ///< bytes that the process may have; 0: no limit. What is needed is
                                  ///< estimated before the long work, which is then refused (out_of_memory).
   std::vector<SensorPoint> sensors;
+  std::vector<ProbePoint> probes;
+  double probe_spacing = 0.0;  ///< m, above 0: in place of `probes`, a grid of them over the scene's box
+  /// In place of both: denser where light between them would be off. Each then keeps about 256 nodes, unless
+  /// error or budget ask for others.
+  bool auto_probes = false;
 };
 
 /// Estimated errors of indirect irradiance by cause, relative to its root mean square in the room.
@@ -84,10 +95,10 @@ struct PrecomputeReport {
 Result<Model> precompute(const Scene& scene, const PrecomputeOptions& options, PrecomputeReport& report,
                          const ProgressObserver& observer = {});
 
-/// What a precompute will take, extrapolated from a small sample of its rows.
+/// What a precompute will take, extrapolated from a small sample of its rows and light probes.
 struct PrecomputeEstimate {
   std::uint64_t rows = 0;      ///< of all matrices
-  std::uint64_t nonzeros = 0;  ///< form factors
+  std::uint64_t nonzeros = 0;  ///< form factors, and entries of probes
   std::uint64_t file_bytes = 0;
   std::uint64_t memory_bytes = 0;  ///< that the process has at most, until the file is written
   std::uint64_t rays = 0;          ///< of rows, towards emitters too

@@ -39,6 +39,7 @@ RowPlan plan_rows(const PrecomputeOptions& options, const Scene& scene) {
   } else {
     plan.sensors = fixed(std::min(kMaxQuality, std::max(kMinSensorQuality, kSensorQualities * quality)));
   }
+  plan.probe_rays = std::min(kMaxQuality, std::max(kMinSensorQuality, kSensorQualities * quality));
   plan.sensor_cut = {options.budget, 0.0};
   for (const SceneNode& node : scene.nodes) {
     plan.node_quality.push_back(node.extras.quality.value_or(0));

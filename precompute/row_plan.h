@@ -18,6 +18,7 @@ struct RowPlan {
       false;  ///< rays are doubled where that is worth it; the exchange of the limits is still to be found
   double clearance_share = 0.0;  ///< of clusters, to begin with; 0: all of one size
   RayLimits lumels, sensors;
+  std::uint32_t probe_rays = 8192;
   std::vector<std::uint32_t> node_quality;  ///< per node of the scene: rays of its rows; 0: as `lumels`
   std::vector<CutLimits> node_cuts;         ///< per node of the scene: of its rows
   CutLimits sensor_cut;

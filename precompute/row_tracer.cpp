@@ -20,20 +20,6 @@ glm::vec3 direction_of(const RayPacket& packet, int lane) {
   return {packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]};
 }
 
-/// What both parts of a row are multiplied by, so that they add up to what the rays measured.
-struct Scales {
-  double emitted = 1.0, counted = 1.0;
-};
-
-/// `counted` is at most `row_sum`. Each part takes a share of the difference by the square of its size: a
-/// lamp's small part stays what its area samples say, and so does what little an emitting room leaves.
-Scales close_row(double emitted, double counted, double row_sum) {
-  const double difference = row_sum - emitted - counted;
-  const double squares = emitted * emitted + counted * counted;
-  if (!(squares > 0.0)) return {};
-  return {1.0 + emitted * difference / squares, 1.0 + counted * difference / squares};
-}
-
 }  // namespace
 
 std::size_t sender_count(const RowScene& scene) {
@@ -160,7 +146,7 @@ FormFactorRow RowTracer::finish_row(const Totals& totals) {
     if (emitter_sums_[e] > 0.0) touched_.insert(scene_.emitters.list[e].cluster);
   }
   const std::uint32_t counted = totals.arrived - totals.arrived_at_emitters;
-  const Scales scales =
+  const RowScales scales =
       close_row(emitted, totals.traced > 0 ? double(counted) / totals.traced : 0.0, row_sum);
   row.senders.reserve(touched_.size());
   row.values.reserve(touched_.size());

@@ -43,6 +43,7 @@ inline bool in_sample(std::uint32_t cluster, std::uint32_t every) {
 struct RowCounts {
   std::uint64_t rays = 0;
   std::uint64_t occlusion_rays = 0;
+  std::uint64_t probe_rays = 0;  ///< of both kinds, those of light probes
   std::uint64_t cluster_entries = 0,
                 element_entries = 0;  ///< form factors of full rows, of lumels' own elements
 };

@@ -10,6 +10,7 @@
 #include <span>
 #include <tuple>
 
+#include "core/quantities.h"
 #include "precompute/coarsen_imports.h"
 
 namespace relume {
@@ -24,13 +25,19 @@ struct RowGroup {
 /// All rows of a system.
 struct SystemRowGroups {
   RowGroup clusters, lumels, sensors;
+  std::vector<std::uint32_t> probes;  ///< indices into ModelParts::probes
 };
 
 SystemRowGroups row_groups(const ModelParts& parts, std::size_t s) {
   SystemRowGroups groups;
+  for (std::uint32_t i = 0; i < parts.probes.rows.size(); ++i) {
+    if (parts.probes.systems[i] == s) groups.probes.push_back(i);
+  }
   if (!parts.tiles.empty()) {
     const SystemTiles& tiles = parts.tiles[s];
-    return {{{}, &tiles.clusters}, {{}, &tiles.lumels}, {{}, &tiles.sensors}};
+    groups.clusters.tiles = &tiles.clusters, groups.lumels.tiles = &tiles.lumels;
+    groups.sensors.tiles = &tiles.sensors;
+    return groups;
   }
   for (const FormFactorRow& row : parts.rows[s].clusters) groups.clusters.rows.push_back(&row);
   for (const auto e : parts.element_orders[s]) {
@@ -153,6 +160,7 @@ class ImportTable {
   void use(const CutTile& tile) {
     for (const auto node : tile.nodes) column_[node] = 0;
   }
+  void use(std::uint32_t node) { column_[node] = 0; }
   std::size_t count() const {
     return column_.size() - std::size_t(std::count(column_.begin(), column_.end(), kNone));
   }
@@ -199,6 +207,10 @@ class ImportTable {
     }
     return imports;
   }
+  /// After finish(), of what stands for a node.
+  std::uint32_t column(std::uint32_t node) const {
+    return column_[is_coarsened() ? stands_for_[node] : node];
+  }
   std::vector<std::uint16_t> columns(const CutTile& tile) const {
     std::vector<std::uint16_t> columns(tile.nodes.size());
     std::transform(tile.nodes.begin(), tile.nodes.end(), columns.begin(),
@@ -236,6 +248,12 @@ void coarsen(const ModelParts& parts, const SystemRowGroups& groups, const std::
   };
   for (const RowGroup* group : {&groups.clusters, &groups.lumels, &groups.sensors})
     visit_tiles(*group, leaves, add);
+  for (const auto p : groups.probes) {
+    for (const SeenSender& seen : parts.probes.rows[p].senders) {
+      double& sum = weight[seen.sender];
+      sum = std::max(sum, 0.0) + double(seen.solid_angle) / kPi;
+    }
+  }
   const std::size_t before = imports.count();
   CoarserImports coarser = coarsen_imports(parts.senders.tree, weight, kMaxImports);
   report.warnings.push_back(
@@ -246,12 +264,31 @@ void coarsen(const ModelParts& parts, const SystemRowGroups& groups, const std::
   imports.coarsen(std::move(coarser));
 }
 
+/// After the imports are finished.
+void store_probes(const ModelParts& parts, const std::vector<std::uint32_t>& probes,
+                  const ImportTable& imports, System& system) {
+  for (const auto p : probes) {
+    const ProbeRow& row = parts.probes.rows[p];
+    system.probes.push_back({parts.probes.points[p].position, p,
+                             row.back_face_share > kInvalidProbeShare ? std::uint32_t{kProbeInvalid} : 0u,
+                             std::uint32_t(system.probe_senders.size()), std::uint32_t(row.senders.size())});
+    for (const SeenSender& seen : row.senders)
+      system.probe_senders.push_back({imports.column(seen.sender), seen.solid_angle, seen.direction});
+    std::stable_sort(system.probe_senders.end() - std::ptrdiff_t(row.senders.size()),
+                     system.probe_senders.end(),
+                     [](const ProbeSender& a, const ProbeSender& b) { return a.column < b.column; });
+  }
+}
+
 Result<void> store_system(const ModelParts& parts, ValueCodec codec, const SystemRowGroups& groups,
                           const std::vector<std::uint32_t>& leaves, NodeReferences& references,
                           System& system, Model& model, PrecomputeReport& report) {
   ImportTable imports(parts.senders.tree.nodes.size());
   for (const RowGroup* group : {&groups.clusters, &groups.lumels, &groups.sensors})
     visit_tiles(*group, leaves, [&](const CutTile& tile) { imports.use(tile); });
+  for (const auto p : groups.probes) {
+    for (const SeenSender& seen : parts.probes.rows[p].senders) imports.use(seen.sender);
+  }
   if (imports.count() > kMaxImports) coarsen(parts, groups, leaves, system.name, imports, report);
   system.imports = imports.finish(parts.senders.tree, references, model);
   if (system.imports.size() > kMaxImports) {
@@ -260,6 +297,7 @@ Result<void> store_system(const ModelParts& parts, ValueCodec codec, const Syste
                             "columns can name; choose a larger cluster size",
                             system.name, system.imports.size(), kMaxImports));
   }
+  store_probes(parts, groups.probes, imports, system);
   const auto columns = std::uint32_t(system.imports.size());
   const bool shared = !parts.tiles.empty();
   BlockMatrixBuilder bounce(columns, codec), gather(columns, codec);
@@ -285,6 +323,7 @@ Result<void> store_matrices(const ModelParts& parts, ValueCodec codec, Model& mo
                             PrecomputeReport& report) {
   const std::vector<std::uint32_t> leaves = leaf_nodes(parts.senders);
   NodeReferences references(parts.senders, parts.flux);
+  for (const ProbePoint& point : parts.probes.points) model.probe_names.push_back(point.name);
   for (std::size_t s = 0; s < model.systems.size(); ++s) {
     const SystemRowGroups groups = row_groups(parts, s);
     if (auto stored = store_system(parts, codec, groups, leaves, references, model.systems[s], model, report);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The rows of a model, cut where a budget asks for it, as matrices of the systems with their import tables.
+// The rows of a model, cut where a budget asks for it, as matrices of the systems with their import tables;
+// probes too.
 #pragma once
 
 #include <vector>
@@ -9,8 +10,8 @@
 
 namespace relume {
 
-/// Fills trees, imports and both matrices of all systems. Fails (usage) when a system sees more senders than
-/// columns can name.
+/// Fills trees, imports, both matrices and probes of all systems. Fails (usage) when a system sees more
+/// senders than columns can name.
 Result<void> store_matrices(const ModelParts& parts, ValueCodec codec, Model& model,
                             PrecomputeReport& report);
 

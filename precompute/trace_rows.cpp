@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "precompute/trace_rows.h"
 
+#include <algorithm>
+
+#include "core/quantities.h"
 #include "precompute/assemble_model.h"
+#include "precompute/sphere_tracer.h"
 
 namespace relume {
 namespace {
@@ -42,11 +46,74 @@ Result<void> trace_systems(const RowScene& scene, const Surfaces& surfaces,
   return {};
 }
 
+/// Nodes of a probe where rows are not cut, but a survey is there to cut them by.
+constexpr std::uint32_t kProbeBudget = 256;
+
+/// The row of a probe as one of form factors, for a plane that faces all that it sees by half.
+std::vector<FormFactorRow> half_facing_rows(std::span<const ProbeRow> probes) {
+  std::vector<FormFactorRow> rows(probes.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (const SeenSender& seen : probes[i].senders) {
+      const auto factor = float(double(seen.solid_angle) / (2.0 * kPi));
+      if (!rows[i].senders.empty() && rows[i].senders.back() == seen.sender) {
+        rows[i].values.back() += factor;
+        continue;
+      }
+      rows[i].senders.push_back(seen.sender);
+      rows[i].values.push_back(factor);
+    }
+  }
+  return rows;
+}
+
+/// In place of senders, the nodes that `tiles` keep, or their leaves.
+void put_nodes(const ClusterTree& tree, const std::vector<CutTile>& tiles, std::vector<ProbeRow>& rows) {
+  std::vector<std::uint32_t> node_of(tree.nodes.size());
+  const auto put = [&](std::uint32_t node) {
+    const TreeNodeRange& range = tree.nodes[node];
+    for (std::uint32_t leaf = range.first; leaf < range.first + range.count; ++leaf) node_of[leaf] = node;
+  };
+  if (tiles.empty()) {
+    for (std::uint32_t node = 0; node < tree.nodes.size(); ++node) {
+      if (tree.nodes[node].count == 1) put(node);
+    }
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!tiles.empty()) std::for_each(tiles[i].nodes.begin(), tiles[i].nodes.end(), put);
+    for (SeenSender& seen : rows[i].senders) seen.sender = node_of[seen.sender];
+    rows[i].senders = unite_senders(std::move(rows[i].senders));
+  }
+}
+
+Result<ProbeRows> trace_light_probes(const RowScene& scene, const SenderTree& senders, std::size_t systems,
+                                     std::span<const ProbePoint> points, const Probing* probing,
+                                     const RowPlan& plan, RowCounts& counts,
+                                     const ProgressObserver& observer) {
+  auto traced = trace_probes(scene, points, plan.probe_rays, counts, observer);
+  if (!traced) return tl::unexpected(traced.error());
+  ProbeRows probes{{points.begin(), points.end()}, std::move(*traced), {}};
+  const std::vector<FormFactorRow> seen = half_facing_rows(probes.rows);
+  probes.systems = systems_of_sensors(senders, systems, seen);
+  std::vector<CutTile> tiles;
+  if (probing != nullptr) {
+    std::vector<CutRow> rows;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      const glm::vec3 position(points[i].position - scene.geometry.origin);
+      rows.push_back({&seen[i], float(plan.probe_rays), 0.0f, {position, glm::vec3(0.0f)}});
+    }
+    const CutLimits limits = plan.cut ? plan.sensor_cut : CutLimits{kProbeBudget, 0.0};
+    tiles = cut_rows({senders.tree, *probing}, rows, {1, {&limits, 1}});
+  }
+  put_nodes(senders.tree, tiles, probes.rows);
+  return probes;
+}
+
 }  // namespace
 
 Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces, const SenderTree& senders,
-                              std::span<const SurfacePoint> sensors, const RowPlan& plan,
-                              const Probing* probing, RowCounts& counts, const ProgressObserver& observer) {
+                              std::span<const SurfacePoint> sensors, std::span<const ProbePoint> probes,
+                              const RowPlan& plan, const Probing* probing, RowCounts& counts,
+                              const ProgressObserver& observer) {
   TracedRows rows;
   std::optional<CutSenders> cut;
   if (plan.cut) {
@@ -67,6 +134,10 @@ Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces, c
     }
     rows.tiles[s].sensors = cut_rows(*cut, own, {1, {&plan.sensor_cut, 1}});
   }
+  auto probe_rows =
+      trace_light_probes(scene, senders, surfaces.systems.size(), probes, probing, plan, counts, observer);
+  if (!probe_rows) return tl::unexpected(probe_rows.error());
+  rows.probes = std::move(*probe_rows);
   return rows;
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "precompute/light_probes.h"
 #include "precompute/row_plan.h"
 #include "precompute/surfaces.h"
 #include "precompute/survey.h"
@@ -17,14 +18,16 @@ struct TracedRows {
   std::vector<SystemTiles> tiles;  ///< per system; none without a cut
   std::optional<NodeFlux> flux;    ///< of the nodes that tiles keep
   SensorRows sensors;
-  std::vector<std::uint32_t> sensor_systems;       ///< per sensor: the one that it belongs to
+  std::vector<std::uint32_t> sensor_systems;  ///< per sensor: the one that it belongs to
+  ProbeRows probes;
   std::vector<std::vector<std::uint32_t>> orders;  ///< per system: elements as the model stores them
 };
 
 /// Cut against `probing` where the plan says so. In the calling task arena. Cancelled when the observer says
 /// so.
 Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces, const SenderTree& senders,
-                              std::span<const SurfacePoint> sensors, const RowPlan& plan,
-                              const Probing* probing, RowCounts& counts, const ProgressObserver& observer);
+                              std::span<const SurfacePoint> sensors, std::span<const ProbePoint> probes,
+                              const RowPlan& plan, const Probing* probing, RowCounts& counts,
+                              const ProgressObserver& observer);
 
 }  // namespace relume

@@ -49,6 +49,10 @@ uint32_t relume_model_gather_row_count(const relume_model* model, uint32_t syste
   return static_cast<uint32_t>(from.lumels.size() + from.sensors.size());
 }
 
+uint32_t relume_model_probe_count(const relume_model* model) {
+  return static_cast<uint32_t>(model->model.probe_names.size());
+}
+
 uint32_t relume_model_sky_patch_count(const relume_model* model) {
   return static_cast<uint32_t>(model->model.sky_cells.size());
 }

@@ -216,6 +216,9 @@ Result<void> gather(SolverSession& session, DeviceSolution& out) {
   auto irradiance = session.read_irradiance();
   if (!irradiance) return failed(irradiance.error());
   out.irradiance = std::move(*irradiance);
+  auto probes = session.read_probes();
+  if (!probes) return failed(probes.error());
+  out.probes = std::move(*probes);
   out.seconds.download = watch.lap();
   return {};
 }

@@ -210,6 +210,17 @@ Result<std::vector<Rgb>> SolverSession::read_irradiance() {
   return values;
 }
 
+Result<std::vector<ProbeCoefficients>> SolverSession::read_probes() {
+  std::vector<Rgb> values;
+  auto read = append_rgb(solver_.probe_coefficients(), values);
+  if (!read) return tl::unexpected<Error>(read.error());
+  std::vector<ProbeCoefficients> probes(values.size() / kProbeHarmonics);
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    std::copy_n(values.begin() + std::ptrdiff_t(i * kProbeHarmonics), kProbeHarmonics, probes[i].begin());
+  }
+  return probes;
+}
+
 Result<std::vector<std::byte>> SolverSession::read(const BufferRange& range) {
   std::vector<std::byte> bytes;
   for (VkDeviceSize begin = 0; begin < range.byte_size; begin += kTransferBytes) {

@@ -11,6 +11,7 @@
 #include "compute/standalone/standalone_device.h"
 #include "compute/standalone/standalone_memory.h"
 #include "core/model.h"
+#include "core/probe_coefficients.h"
 #include "core/result.h"
 #include "core/solve.h"
 
@@ -30,7 +31,7 @@ class SolverSession {
   const GpuSolver& solver() const { return solver_; }
   std::uint64_t device_bytes() const { return arena_.byte_size(); }
   double upload_seconds() const { return upload_seconds_; }  ///< of the matrices
-  std::uint64_t bounce_cost() const;  ///< form factors of one bounce of all systems
+  std::uint64_t bounce_cost() const;                         ///< form factors of one bounce of all systems
 
   Result<SubmitTimes> upload(const UploadData& data);
 
@@ -54,6 +55,9 @@ class SolverSession {
 
   /// Irradiance of the gather rows of all systems.
   Result<std::vector<Rgb>> read_irradiance();
+
+  /// Of the light probes of all systems, by their names; 0 of those that are not loaded.
+  Result<std::vector<ProbeCoefficients>> read_probes();
 
  private:
   SolverSession(StandaloneDevice& device, const Model& model, const SessionLimits& limits, GpuSolver solver);

@@ -43,7 +43,8 @@ const uint kSystemBindings = 9u;
 const uint kLocalRadiosityTexelsBinding = 9u;  // rgba32f
 const uint kSystemTexelBindings = 1u;
 
-/// Set of one block of a bounce or gather matrix, in the format of core/block_matrix.h.
+/// Set of one block of a bounce or gather matrix, in the format of core/block_matrix.h, or of the light
+/// probes of a system.
 const uint kBlockSet = 2u;
 const uint kTileOffsetsBinding = 0u;  // uint per tile, and one at the end
 const uint kColumnsBinding = 1u;      // two 16-bit columns in a uint, the first in the low half
@@ -55,6 +56,17 @@ const uint kValueTexelsBinding = 5u;   // r32ui
 const uint kCodeTexelsBinding =
     6u;  // the values; of tiles of eight rows, unorm16 and f32 as rgba32ui, sqrt8 as rg32ui
 const uint kBlockTexelBindings = 3u;
+
+/// The same set for light probes (core/probe_coefficients.h).
+const uint kProbeListsBinding = 0u;    // three uints per probe: first entry among the senders, their end,
+                                       // number of the probe among those of all systems
+const uint kProbeSendersBinding = 1u;  // ProbeSender of core/model.h: 5 uints each
+const uint kProbeCoefficientsBinding =
+    2u;  // kProbeHarmonics vec4 per probe of all systems: cd/m2 sr^1/2 in rgb
+const uint kProbeBindings = 3u;
+const uint kProbeListUints = 3u;
+const uint kProbeSenderUints = 5u;
+const uint kProbeHarmonics = 9u;
 
 const uint kSets = 3u;
 

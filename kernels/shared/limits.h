@@ -15,6 +15,9 @@ const uint kLanes = 8u;
 /// Rows that a workgroup of a row_per_8_lanes kernel does.
 const uint kRowsPerWorkgroup = kWorkgroupSize / kLanes;
 
+/// Probes that a workgroup of the probes kernel does.
+const uint kProbesPerWorkgroup = kWorkgroupSize / kLanes;
+
 /// Rows of a tile that the tile kernels do; as many as lanes, so that each lane finishes one.
 const uint kTileOfRows = 8u;
 

@@ -42,11 +42,13 @@ Result<void> check_all_names(const Model& model) {
   for (const NodeRecord& node : model.nodes) nodes.push_back(node.path);
   for (const System& system : model.systems) systems.push_back(system.name);
   const std::vector<std::string_view> sensors(model.sensor_names.begin(), model.sensor_names.end());
+  const std::vector<std::string_view> probes(model.probe_names.begin(), model.probe_names.end());
   const Provenance& from = model.provenance;
   if (auto checked = check_names("materials", materials, /*unique=*/true); !checked) return checked;
   if (auto checked = check_names("nodes", nodes, /*unique=*/true); !checked) return checked;
   if (auto checked = check_names("systems", systems, /*unique=*/true); !checked) return checked;
   if (auto checked = check_names("sensors", sensors, /*unique=*/false); !checked) return checked;
+  if (auto checked = check_names("probes", probes, /*unique=*/false); !checked) return checked;
   return check_names("provenance", {from.scene_file, from.tool, from.ray_tracer, from.options},
                      /*unique=*/false);
 }
@@ -107,6 +109,7 @@ Result<void> check_globals(const Model& model) {
   if (auto checked = check_tree(model.sky_tree, model.sky_cells.size(), "sky"); !checked) return checked;
   if (model.sky_radiance && !non_negative(*model.sky_radiance))
     return broken_model("expected a finite sky radiance >= 0");
+  if (auto checked = check_probe_volume(model); !checked) return checked;
   return model.camera ? check_camera(*model.camera) : Result<void>{};
 }
 

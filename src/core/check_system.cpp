@@ -249,9 +249,9 @@ Result<void> check_matrix(const SystemPlace& at, const BlockMatrix& matrix, cons
 Result<void> check_not_loaded(const SystemPlace& at) {
   const System& system = at.system;
   const bool empty = system.clusters.empty() && system.elements.empty() && system.pieces.empty() &&
-                     system.lumels.empty() && system.sensors.empty() && system.charts.empty() &&
-                     system.tree.nodes.empty() && system.imports.empty() && system.bounce.rows == 0 &&
-                     system.gather.rows == 0;
+                     system.lumels.empty() && system.sensors.empty() && system.probes.empty() &&
+                     system.probe_senders.empty() && system.charts.empty() && system.tree.nodes.empty() &&
+                     system.imports.empty() && system.bounce.rows == 0 && system.gather.rows == 0;
   if (empty) return {};
   return broken_model("system {}: expected nothing in a system that is not loaded", at.index);
 }
@@ -324,6 +324,7 @@ Result<void> check_system(const Model& model, std::size_t index) {
     return checked;
   }
   if (auto checked = check_imports(at); !checked) return checked;
+  if (auto checked = check_probes(model, index); !checked) return checked;
   if (auto checked = check_matrix(at, at.system.bounce, "bounce", at.system.clusters.size()); !checked)
     return checked;
   return check_matrix(at, at.system.gather, "gather", at.system.lumels.size() + at.system.sensors.size());

@@ -16,9 +16,8 @@ double absolute_error(double value, double reference) {
   return std::abs(value - reference);
 }
 
-double relative_error(double value, double reference, double floor) {
-  const double error = absolute_error(value, reference);
-  return error == 0.0 ? 0.0 : error / std::max(std::abs(reference), floor);
+double relative_error(double absolute, double magnitude, double floor) {
+  return absolute == 0.0 ? 0.0 : absolute / std::max(std::abs(magnitude), floor);
 }
 
 double largest(std::span<const Rgb> values) {
@@ -39,21 +38,25 @@ std::size_t histogram_bin(double error, std::size_t bins) {
 
 }  // namespace
 
-Comparison compare(std::string name, std::span<const Rgb> values, std::span<const Rgb> reference) {
+Comparison compare(std::string name, std::span<const Rgb> values, std::span<const Rgb> reference,
+                   std::span<const Rgb> magnitudes) {
   assert(values.size() == reference.size());
+  if (magnitudes.empty()) magnitudes = reference;
+  assert(values.size() == magnitudes.size());
   Comparison result;
   result.name = std::move(name);
   result.count = values.size();
-  const double floor = 1e-4 * largest(reference);
+  const double floor = 1e-4 * largest(magnitudes);
   double sum_of_squares = 0.0;
   for (std::size_t index = 0; index < values.size(); ++index) {
     for (int channel = 0; channel < 3; ++channel) {
       const double value = values[index][channel];
       const double expected = reference[index][channel];
-      const double error = relative_error(value, expected, floor);
+      const double absolute = absolute_error(value, expected);
+      const double error = relative_error(absolute, magnitudes[index][channel], floor);
       sum_of_squares += error * error;
       ++result.histogram[histogram_bin(error, result.histogram.size())];
-      result.max_absolute_error = std::max(result.max_absolute_error, absolute_error(value, expected));
+      result.max_absolute_error = std::max(result.max_absolute_error, absolute);
       const bool first = index == 0 && channel == 0;
       if (first || error > result.max_relative_error) {
         result.max_relative_error = error;

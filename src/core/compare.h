@@ -9,8 +9,8 @@
 
 namespace relume {
 
-/// How far `values` are from `reference`, over all entries and channels. A relative error is |a - b| / max(|b|, 1e-4 max|b|), b the
-/// reference, max over this output.
+/// How far `values` are from `reference`, over all entries and channels. A relative error is |a - b| /
+/// max(|b|, 1e-4 max|b|), b the reference, max over this output.
 struct Comparison {
   std::string name;
   std::size_t count = 0;  ///< entries; errors are three times as many
@@ -21,10 +21,14 @@ struct Comparison {
   int worst_channel = 0;
   double worst_value = 0.0;
   double worst_reference = 0.0;
-  std::array<std::size_t, 12> histogram{};  ///< errors in [10^-(k+1), 10^-k) at k = 0..10 (k = 0 also holds larger ones), smaller in the last
+  std::array<std::size_t, 12> histogram{};  ///< errors in [10^-(k+1), 10^-k) at k = 0..10 (k = 0 also holds
+                                            ///< larger ones), smaller in the last
 };
 
-/// Spans of equal length. A value that is not finite counts as an infinite error, and so does any light where all of the reference is dark.
-Comparison compare(std::string name, std::span<const Rgb> values, std::span<const Rgb> reference);
+/// Spans of equal length. With `magnitudes`, |b| in the relative error is instead of the reference the entry
+/// of those: for sums of terms of both signs, which may be small where their terms are not. A value that is
+/// not finite counts as an infinite error, and so does any light where all of the reference is dark.
+Comparison compare(std::string name, std::span<const Rgb> values, std::span<const Rgb> reference,
+                   std::span<const Rgb> magnitudes = {});
 
 }  // namespace relume

@@ -199,6 +199,14 @@ std::string_view id_of(const Section& section) {
   return {section.record.id.data(), section.record.id.size()};
 }
 
+Result<void> read_probe_volume(const Section& section, ProbeVolume& volume) {
+  ByteReader reader(section.bytes);
+  volume.lower = reader.take<glm::vec3>();
+  volume.edge = reader.take<float>();
+  volume.counts = reader.take<std::array<std::uint32_t, 3>>();
+  return check_consumed(reader, section.record);
+}
+
 /// nullopt: no section of the model that this version knows.
 std::optional<Result<void>> read_model_section(const Section& section, Model& model) {
   const std::string_view id = id_of(section);
@@ -224,8 +232,12 @@ std::optional<Result<void>> read_model_section(const Section& section, Model& mo
   if (id == kTextureTriangles) return read_array(section, occluders.texture);
   if (id == kBvhNodes) return read_array(section, occluders.bvh.nodes);
   if (id == kBvhTriangles) return read_array(section, occluders.bvh.triangles);
-  if (id != kSensorNames) return std::nullopt;
-  return read_records<std::string>(section, model.sensor_names,
+  if (id == kProbeVolume) return read_probe_volume(section, model.probe_volume);
+  if (id == kProbeVolumeNodes) return read_array(section, model.probe_volume.nodes);
+  if (id == kProbeVolumeCells) return read_array(section, model.probe_volume.cells);
+  if (id == kProbeVolumePlanes) return read_array(section, model.probe_volume.planes);
+  if (id != kSensorNames && id != kProbeNames) return std::nullopt;
+  return read_records<std::string>(section, id == kSensorNames ? model.sensor_names : model.probe_names,
                                    [](ByteReader& reader) { return reader.take_string(); });
 }
 
@@ -240,6 +252,8 @@ std::optional<Result<void>> read_system_section(const Section& section, System& 
   if (id == kLumels) return read_array(section, system.lumels);
   if (id == kSensors) return read_array(section, system.sensors);
   if (id == kLiftedSensors) return read_array(section, system.lifted_sensors);
+  if (id == kProbes) return read_array(section, system.probes);
+  if (id == kProbeSenders) return read_array(section, system.probe_senders);
   if (id == kCharts) return read_array(section, system.charts);
   if (id == kTree) return read_array(section, system.tree.nodes);
   if (id == kTreeShares) return read_array(section, system.tree.shares);

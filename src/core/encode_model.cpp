@@ -76,7 +76,7 @@ void add_lights(const std::vector<Light>& lights, SectionWriter& file) {
 }
 
 void add_named_records(const Model& model, SectionWriter& file) {
-  ByteWriter materials, nodes, sensors;
+  ByteWriter materials, nodes, sensors, probes;
   for (const MaterialRecord& material : model.materials) {
     materials.put((material.double_sided ? kMaterialDoubleSided : 0u) |
                   (material.possible_emitter ? kMaterialPossibleEmitter : 0u));
@@ -87,9 +87,23 @@ void add_named_records(const Model& model, SectionWriter& file) {
     nodes.put(node.path);
   }
   for (const std::string& name : model.sensor_names) sensors.put(name);
+  for (const std::string& name : model.probe_names) probes.put(name);
   file.add(kMaterials, kNone, materials.bytes());
   file.add(kNodes, kNone, nodes.bytes());
   file.add(kSensorNames, kNone, sensors.bytes());
+  file.add(kProbeNames, kNone, probes.bytes(), kSectionOptional);
+}
+
+void add_probe_volume(const ProbeVolume& volume, SectionWriter& file) {
+  if (volume.nodes.empty()) return;
+  ByteWriter head;
+  head.put(volume.lower);
+  head.put(volume.edge);
+  head.put(volume.counts);
+  file.add(kProbeVolume, kNone, head.bytes(), kSectionOptional);
+  file.add(kProbeVolumeNodes, kNone, std::as_bytes(std::span(volume.nodes)), kSectionOptional);
+  file.add(kProbeVolumeCells, kNone, std::as_bytes(std::span(volume.cells)), kSectionOptional);
+  file.add(kProbeVolumePlanes, kNone, std::as_bytes(std::span(volume.planes)), kSectionOptional);
 }
 
 void add_occluders(const Occluders& occluders, SectionWriter& file) {
@@ -137,6 +151,8 @@ void add_system(const System& system, std::uint32_t index, SectionWriter& file) 
   file.add_array(kLumels, index, system.lumels);
   file.add_array(kSensors, index, system.sensors);
   file.add_array(kLiftedSensors, index, system.lifted_sensors);
+  file.add(kProbes, index, std::as_bytes(std::span(system.probes)), kSectionOptional);
+  file.add(kProbeSenders, index, std::as_bytes(std::span(system.probe_senders)), kSectionOptional);
   file.add_array(kCharts, index, system.charts);
   file.add_array(kTree, index, system.tree.nodes);
   file.add_array(kTreeShares, index, system.tree.shares);
@@ -152,7 +168,9 @@ std::size_t likely_bytes(const Model& model) {
                       kPerPosition * model.occluders.positions.size();
   for (const System& system : model.systems) {
     bytes += system.elements.size() * sizeof(SurfaceElement) + system.pieces.size() * sizeof(SurfacePiece) +
-             system.lumels.size() * sizeof(Lumel) + system.clusters.size() * sizeof(Cluster) + kSlack;
+             system.lumels.size() * sizeof(Lumel) + system.clusters.size() * sizeof(Cluster) +
+             system.probes.size() * sizeof(Probe) + system.probe_senders.size() * sizeof(ProbeSender) +
+             kSlack;
     for (const BlockMatrix* matrix : {&system.bounce, &system.gather}) {
       for (const MatrixBlock& block : matrix->blocks) bytes += block_bytes(block) + kSlack / 64;
     }
@@ -172,6 +190,7 @@ std::vector<std::byte> encode_model(const Model& model) {
   file.add_array(kTopTree, kNone, model.top_tree);
   file.add_array(kTopParts, kNone, model.top_parts);
   add_named_records(model, file);
+  add_probe_volume(model.probe_volume, file);
   add_lights(model.lights, file);
   add_occluders(model.occluders, file);
   for (std::size_t index = 0; index < model.systems.size(); ++index) {

@@ -19,6 +19,7 @@
 #include "core/light.h"
 #include "core/occluder_bvh.h"
 #include "core/opacity.h"
+#include "core/probe_volume.h"
 #include "core/quantities.h"
 
 namespace relume {
@@ -87,6 +88,30 @@ struct Sensor {
   std::uint32_t name = 0;  ///< index into Model::sensor_names
 };
 static_assert(sizeof(Sensor) == 40);
+
+enum ProbeFlags : std::uint32_t {
+  kProbeInvalid = 1u << 0,  ///< many of its rays met back faces: it lies inside or behind geometry
+};
+
+/// A point whose incident light is known from all sides (core/probe_coefficients.h). Stored.
+struct Probe {
+  glm::dvec3 position{0.0};  ///< world space
+  std::uint32_t name = 0;    ///< index into Model::probe_names
+  std::uint32_t flags = 0;
+  std::uint32_t first_sender =
+      0;  ///< its list is [first_sender, first_sender + sender_count) of System::probe_senders
+  std::uint32_t sender_count = 0;
+};
+static_assert(sizeof(Probe) == 40);
+
+/// What a probe sees of a sender, or of a part of one that reaches far around it. Stored.
+struct ProbeSender {
+  std::uint32_t column = 0;  ///< index into System::imports
+  float solid_angle = 0.0f;  ///< sr, above 0; those of a probe add up to 4 pi at most
+  glm::vec3 direction{
+      0.0f};  ///< the mean of the directions towards it: shorter than 1 by how far they spread
+};
+static_assert(sizeof(ProbeSender) == 20);
 
 /// Where one node's surface lies in the lightmap of a system: texel = uv * scale + offset, in lumels. Stored.
 struct LightmapChart {
@@ -164,10 +189,13 @@ struct System {
   std::vector<Lumel> lumels;              ///< rows [0, lumels) of `gather`
   std::vector<Sensor> sensors;            ///< rows [lumels, lumels + sensors) of `gather`
   std::vector<glm::vec3> lifted_sensors;  ///< per sensor: where it measures, off the surface that it lies on
+  std::vector<Probe> probes;              ///< those that see more of this system than of others
+  std::vector<ProbeSender>
+      probe_senders;  ///< grouped by probe, in their order; columns ascend inside a probe
   std::vector<LightmapChart> charts;
   ClusterTreeNodes
       tree;  ///< over `clusters`: the nodes that some system imports, or a node above the systems spans
-  std::vector<SenderRef> imports;  ///< what the columns of both matrices mean
+  std::vector<SenderRef> imports;  ///< what the columns of both matrices, and of probes, mean
   BlockMatrix bounce;              ///< K: clusters x imports
   BlockMatrix gather;              ///< G: (lumels, sensors) x imports
 };
@@ -243,6 +271,8 @@ struct Model {
   std::vector<MaterialRecord> materials;
   std::vector<NodeRecord> nodes;
   std::vector<std::string> sensor_names;
+  std::vector<std::string> probe_names;  ///< of all systems, loaded or not
+  ProbeVolume probe_volume;              ///< empty where probes are only points
   Occluders occluders;
   std::vector<Light> lights;        ///< of the scene, or of the stated rig
   std::optional<Rgb> sky_radiance;  ///< cd/m2: the stated rig of an open scene that shines with nothing

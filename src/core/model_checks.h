@@ -38,6 +38,12 @@ Result<void> check_top_tree(const Model& model);
 /// The promises of system `index`; those of the occluders are checked before.
 Result<void> check_system(const Model& model, std::size_t index);
 
+/// The promises of core/probe_volume.h.
+Result<void> check_probe_volume(const Model& model);
+
+/// The promises of the probes of system `index`; its imports are checked before.
+Result<void> check_probes(const Model& model, std::size_t index);
+
 template <class... Values>
 tl::unexpected<Error> broken_model(fmt::format_string<Values...> sentence, Values&&... values) {
   return fail(ErrorCode::check_failed, "model: " + fmt::format(sentence, std::forward<Values>(values)...));

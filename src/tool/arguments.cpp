@@ -204,6 +204,12 @@ class Parser {
     add_number(command, "--cluster-size", options.cluster_size, kLength, "Default: about 4 k clusters");
     add_number(command, "--texel-size", options.texel_size, kLength, "Default: about 40 k lumels");
     add_path(command, "--sensors", "CSV", precompute_.sensors, "Header id,px,py,pz,nx,ny,nz");
+    command
+        .add_option("--probes", precompute_.probes,
+                    "Light probes: none, auto (denser where light changes), a grid of this spacing (m), or a "
+                    "CSV with header "
+                    "id,px,py,pz")
+        ->type_name("none|auto|SPACING|CSV");
     add_choice(
         command, "--values,--codec", {"f32", "unorm16", "sqrt8"},
         [&options](std::size_t k) { options.codec = static_cast<ValueCodec>(k); },
@@ -249,8 +255,9 @@ class Parser {
         command, "--ktx2", {"rgba16f", "r11g11b10f", "rgb9e5"},
         [this](std::size_t k) { solve_.ktx2 = static_cast<LightmapFormat>(k); },
         "Lightmaps also as .ktx2, for engines to load");
-    command.add_flag("--bounds", solve_.bounds,
-                     "Also between which values the answer lies that rows had before they were cut and stored");
+    command.add_flag(
+        "--bounds", solve_.bounds,
+        "Also between which values the answer lies that rows had before they were cut and stored");
     add_solver(command, solve_.solver, true);
     std::vector<std::string> methods{"auto"};
     methods.insert(methods.end(), method_names().begin(), method_names().end());
@@ -261,8 +268,8 @@ class Parser {
           solve_.solver.method = k == 0 ? std::nullopt : std::optional(static_cast<Method>(k - 1));
         },
         "How the reference solves (default auto: the fastest that is safe for the scene)");
-    CLI::Option* bounces =
-        add_number(command, "--bounces", bounces_, kCountOrZero, "Exactly this many bounces, or products of another --method");
+    CLI::Option* bounces = add_number(command, "--bounces", bounces_, kCountOrZero,
+                                      "Exactly this many bounces, or products of another --method");
     CLI::Option* tolerance = add_number(command, "--tolerance", solve_.rule.tolerance, kShare,
                                         "Stop at this bound on the relative error (default 1e-5)");
     bounces->excludes(tolerance);

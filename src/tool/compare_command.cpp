@@ -40,6 +40,11 @@ std::vector<Comparison> compare_outputs(const Model& model, const SolveOutcome& 
     outputs.push_back(compare(sensors ? "irradiance of sensors" : "irradiance of lumels", values,
                               pick(model, reference.gathered, sensors)));
   }
+  if (!reference.probes.empty()) {
+    const FlatCoefficients expected = flat_coefficients(reference.probes);
+    outputs.push_back(compare("coefficients of probes", flat_coefficients(gpu.probes).values, expected.values,
+                              expected.magnitudes));
+  }
   return outputs;
 }
 

@@ -65,10 +65,13 @@ ModelSummary summarise_model(const Model& model) {
     summary.imports += system.imports.size();
     summary.lumels += system.lumels.size();
     summary.sensors += system.sensors.size();
+    summary.probes += system.probes.size();
+    summary.probe_entries += system.probe_senders.size();
     for (const Cluster& cluster : system.clusters) summary.area += cluster.area;
     for (const Lumel& lumel : system.lumels) summary.invalid_lumels += (lumel.flags & kLumelInvalid) != 0;
     summary.systems.push_back(system_json(system, bounce, gather));
   }
+  summary.probe_cells = model.probe_volume.cells.size();
   summary.tree_nodes += model.sky_tree.nodes.size() + model.top_tree.size();
   summary.spanning_nodes = model.top_tree.size();
   summary.options = model.provenance.options;
@@ -79,10 +82,11 @@ ModelSummary summarise_model(const Model& model) {
 }
 
 std::vector<std::string> summary_lines(const ModelSummary& summary) {
-  return {fmt::format("{}, {}, {}, {}, {}, {:.6g} m2, {}", counted(summary.systems.size(), "system"),
+  return {fmt::format("{}, {}, {}, {}, {}, {}, {:.6g} m2, {}", counted(summary.systems.size(), "system"),
                       counted(summary.clusters, "cluster"), counted(summary.lumels, "lumel"),
-                      counted(summary.sensors, "sensor"), counted(summary.sky_patches, "sky patch"),
-                      summary.area, counted(summary.occluder_triangles, "triangle")),
+                      counted(summary.sensors, "sensor"), counted(summary.probes, "probe"),
+                      counted(summary.sky_patches, "sky patch"), summary.area,
+                      counted(summary.occluder_triangles, "triangle")),
           fmt::format("{}, {}; asked for {}", counted(summary.tree_nodes, "tree node"),
                       counted(summary.imports, "import"), summary.options),
           matrix_line("bounce", summary.bounce), matrix_line("gather", summary.gather)};
@@ -108,7 +112,9 @@ JsonObject summary_json(const ModelSummary& summary, std::uint64_t file_bytes) {
           {"lumels", summary.lumels},
           {"invalid_lumels", summary.invalid_lumels},
           {"sensors", summary.sensors},
-          {"probes", 0},
+          {"probes", summary.probes},
+          {"probe_entries", summary.probe_entries},
+          {"probe_cells", summary.probe_cells},
           {"sky_patches", summary.sky_patches},
           {"tree_nodes", summary.tree_nodes},
           {"spanning_nodes", summary.spanning_nodes},

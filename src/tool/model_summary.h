@@ -20,6 +20,9 @@ struct ModelSummary {
   std::uint64_t lumels = 0;
   std::uint64_t invalid_lumels = 0;
   std::uint64_t sensors = 0;
+  std::uint64_t probes = 0;
+  std::uint64_t probe_entries = 0;  ///< of their lists of senders
+  std::uint64_t probe_cells = 0;    ///< between them
   std::uint64_t sky_patches = 0;
   std::uint64_t tree_nodes = 0;      ///< of all systems, of the sky, and above the systems
   std::uint64_t spanning_nodes = 0;  ///< those above the systems

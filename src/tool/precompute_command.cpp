@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
+
 #include "core/model_file.h"
 #include "precompute/process_memory.h"
 #include "scene/load_scene.h"
@@ -81,6 +83,24 @@ Result<int> say_estimate(const PrecomputeArguments& arguments, const PrecomputeE
   return 0;
 }
 
+/// A word, or a spacing, or else a file.
+Result<void> choose_probes(const std::string& asked, PrecomputeOptions& options) {
+  if (asked == "none") return {};
+  options.auto_probes = asked == "auto";
+  if (options.auto_probes) return {};
+  const auto [end, code] = std::from_chars(asked.data(), asked.data() + asked.size(), options.probe_spacing);
+  if (code == std::errc() && end == asked.data() + asked.size()) {
+    if (options.probe_spacing > 0.0) return {};
+    return fail(ErrorCode::usage,
+                fmt::format("--probes: expected none, auto, a spacing above 0 or a CSV, found '{}'.", asked));
+  }
+  options.probe_spacing = 0.0;
+  auto probes = read_probes(asked);
+  if (!probes) return tl::unexpected(probes.error());
+  options.probes = std::move(*probes);
+  return {};
+}
+
 /// A scene that cannot be written later should not be traced first.
 Result<void> check_output(const std::filesystem::path& output) {
   const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : ".";
@@ -101,6 +121,8 @@ Result<int> run(const PrecomputeArguments& arguments, Console& console) {
     if (!sensors) return tl::unexpected(sensors.error());
     options.sensors = std::move(*sensors);
   }
+  if (const auto chosen = choose_probes(arguments.probes, options); !chosen)
+    return tl::unexpected(chosen.error());
   const Result<Scene> scene = load_scene(arguments.scene);
   if (!scene) return tl::unexpected(scene.error());
   for (const std::string& warning : scene->warnings) console.warn(warning);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "precompute/precompute.h"
 #include "tool/console.h"
@@ -13,8 +14,9 @@ struct PrecomputeArguments {
   std::filesystem::path scene;
   std::filesystem::path output;
   bool dry_run = false;       ///< nothing is written, and `output` may be empty
-  PrecomputeOptions options;  ///< without sensors
+  PrecomputeOptions options;  ///< without sensors and probes
   std::optional<std::filesystem::path> sensors;
+  std::string probes = "none";  ///< or auto, or a spacing in metres, or a CSV
 };
 
 /// `relume precompute`. The exit status, or the error that ended it.

@@ -91,6 +91,24 @@ std::string sensors_csv(const Model& model, std::span<const Rgb> gather_direct,
   return text;
 }
 
+std::string probes_csv(const Model& model, std::span<const ProbeCoefficients> coefficients) {
+  std::vector<std::pair<std::uint32_t, std::string>> lines;
+  for (const System& system : model.systems) {
+    for (const Probe& probe : system.probes) {
+      std::string line = fmt::format("{},{},{}", csv_cell(model.probe_names[probe.name]),
+                                     cells(probe.position), (probe.flags & kProbeInvalid) != 0 ? 0 : 1);
+      for (const Rgb& value : coefficients[probe.name]) line += ',' + cells(value);
+      lines.emplace_back(probe.name, line + '\n');
+    }
+  }
+  std::sort(lines.begin(), lines.end());
+  std::string text = "id,px,py,pz,valid";
+  for (std::size_t h = 0; h < kProbeHarmonics; ++h) text += fmt::format(",c{0}_r,c{0}_g,c{0}_b", h);
+  text += '\n';
+  for (const auto& line : lines) text += line.second;
+  return text;
+}
+
 std::vector<std::string> system_file_names(const Model& model) {
   std::vector<std::string> names;
   std::set<std::string> taken;

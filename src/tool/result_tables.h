@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What a solve says in numbers: clusters.csv, sensors.csv, lightmaps.json.
+// What a solve says in numbers: clusters.csv, sensors.csv, probes.csv, lightmaps.json.
 #pragma once
 
 #include <span>
@@ -8,6 +8,7 @@
 
 #include "core/bracket.h"
 #include "core/model.h"
+#include "core/probe_coefficients.h"
 #include "core/solve.h"
 
 namespace relume {
@@ -23,6 +24,10 @@ std::string clusters_csv(const Model& model, const Lighting& lighting, std::span
 /// arrives through form factors. With `bracket` (null: without) also indirect_low_ and indirect_high_.
 std::string sensors_csv(const Model& model, std::span<const Rgb> gather_direct,
                         std::span<const Rgb> gather_indirect, const Bracket* bracket);
+
+/// Header id,px,py,pz,valid (1 or 0), then c0_r,c0_g,c0_b ... c8_r,c8_g,c8_b: the coefficients of incident
+/// radiance in the order of Harmonics; in the order of the probes' own file.
+std::string probes_csv(const Model& model, std::span<const ProbeCoefficients> coefficients);
 
 /// Names of files are unique and hold only letters, digits, '.', '_' and '-'; one per system.
 std::vector<std::string> system_file_names(const Model& model);

@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <unordered_set>
 
@@ -15,8 +17,8 @@
 namespace relume {
 namespace {
 
-constexpr std::array<std::string_view, 7> kColumns{"id", "px", "py", "pz", "nx", "ny", "nz"};
-using ColumnOrder = std::array<std::size_t, kColumns.size()>;  ///< where each of kColumns stands in a line
+constexpr std::array<std::string_view, 7> kSensorColumns{"id", "px", "py", "pz", "nx", "ny", "nz"};
+constexpr std::size_t kProbeColumns = 4;  ///< the first of them
 
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kBlank = " \t\r";
@@ -35,16 +37,18 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   return parts;
 }
 
-class SensorReader {
+/// Of sensors, or of probes, which have no normal.
+class PointReader {
  public:
-  explicit SensorReader(std::string file) : file_(std::move(file)) {}
+  PointReader(std::string file, std::string noun, std::size_t columns)
+      : file_(std::move(file)), noun_(std::move(noun)), columns_(std::span(kSensorColumns).first(columns)) {}
 
   Result<void> read_header(std::string_view line) {
     const std::vector<std::string_view> names = split(line, ',');
-    for (std::size_t c = 0; c < kColumns.size(); ++c) {
-      const auto found = std::find(names.begin(), names.end(), kColumns[c]);
-      if (found == names.end()) return error(1, "the header id,px,py,pz,nx,ny,nz", line);
-      order_[c] = static_cast<std::size_t>(found - names.begin());
+    for (const std::string_view column : columns_) {
+      const auto found = std::find(names.begin(), names.end(), column);
+      if (found == names.end()) return error(1, fmt::format("the header {}", fmt::join(columns_, ",")), line);
+      order_.push_back(static_cast<std::size_t>(found - names.begin()));
     }
     width_ = names.size();
     return {};
@@ -60,11 +64,12 @@ class SensorReader {
       return error(number, "an id without quotes", sensor.name.empty() ? "none" : sensor.name);
     }
     if (!names_.insert(sensor.name).second)
-      return error(number, "an id that no other sensor has", sensor.name);
+      return error(number, fmt::format("an id that no other {} has", noun_), sensor.name);
     for (int axis = 0; axis < 3; ++axis) {
       const std::string_view position = cells[order_[1 + axis]];
-      const std::string_view normal = cells[order_[4 + axis]];
       if (!to_number(position, sensor.position[axis])) return error(number, "a number", position);
+      if (columns_.size() == kProbeColumns) continue;
+      const std::string_view normal = cells[order_[4 + axis]];
       if (!to_number(normal, sensor.normal[axis])) return error(number, "a number", normal);
     }
     if (sensor.normal == glm::dvec3(0.0)) return error(number, "a normal that is not zero", "0,0,0");
@@ -83,21 +88,21 @@ class SensorReader {
                                                   expected, found.substr(0, 60)));
   }
 
-  std::string file_;
-  ColumnOrder order_{};
+  std::string file_, noun_;
+  std::span<const std::string_view> columns_;
+  std::vector<std::size_t> order_;  ///< where each of them stands in a line
   std::size_t width_ = 0;
   std::unordered_set<std::string> names_;
 };
 
-}  // namespace
-
-Result<std::vector<SensorPoint>> read_sensors(const std::filesystem::path& file) {
+Result<std::vector<SensorPoint>> read_points(const std::filesystem::path& file, const std::string& noun,
+                                             std::size_t columns) {
   const Result<std::string> text = read_text_file(file);
   if (!text) return tl::unexpected(text.error());
   std::string_view rest = *text;
   if (rest.starts_with("\xef\xbb\xbf")) rest.remove_prefix(3);
   const std::vector<std::string_view> lines = split(rest, '\n');
-  SensorReader reader(file.string());
+  PointReader reader(file.string(), noun, columns);
   if (const Result<void> header = reader.read_header(lines[0]); !header)
     return tl::unexpected(header.error());
   std::vector<SensorPoint> sensors;
@@ -108,6 +113,20 @@ Result<std::vector<SensorPoint>> read_sensors(const std::filesystem::path& file)
     sensors.push_back(std::move(*sensor));
   }
   return sensors;
+}
+
+}  // namespace
+
+Result<std::vector<SensorPoint>> read_sensors(const std::filesystem::path& file) {
+  return read_points(file, "sensor", kSensorColumns.size());
+}
+
+Result<std::vector<ProbePoint>> read_probes(const std::filesystem::path& file) {
+  auto points = read_points(file, "probe", kProbeColumns);
+  if (!points) return tl::unexpected(points.error());
+  std::vector<ProbePoint> probes;
+  for (SensorPoint& point : *points) probes.push_back({std::move(point.name), point.position});
+  return probes;
 }
 
 }  // namespace relume

@@ -14,4 +14,7 @@ namespace relume {
 /// zero. bad_input names file, line, expected and found.
 Result<std::vector<SensorPoint>> read_sensors(const std::filesystem::path& file);
 
+/// The same for `--probes`, of which the header names at least id,px,py,pz.
+Result<std::vector<ProbePoint>> read_probes(const std::filesystem::path& file);
+
 }  // namespace relume

@@ -95,8 +95,8 @@ Result<int> run(const SolveArguments& arguments, Console& console) {
   const double bounds_seconds = watch.lap();
 
   OutputFolder folder(arguments.output);
-  const auto made = make_solve_outputs(*model, *setup, outcome->solution, outcome->gathered,
-                                       bounds ? &bounds->bracket : nullptr, arguments.ktx2, folder, console);
+  const auto made = make_solve_outputs(*model, *setup, *outcome, bounds ? &bounds->bracket : nullptr,
+                                       arguments.ktx2, folder, console);
   if (!made) return tl::unexpected(made.error());
   if (const Result<void> written = folder.write(); !written) return tl::unexpected(written.error());
 

@@ -120,9 +120,10 @@ Result<void> add_pictures(const Model& model, const LightingSetup& setup, const 
 
 }  // namespace
 
-Result<void> make_solve_outputs(const Model& model, const LightingSetup& setup, const Solution& solution,
-                                const std::vector<Rgb>& indirect, const SolutionBracket* bracket,
-                                std::optional<LightmapFormat> ktx2, OutputFolder& folder, Console& console) {
+Result<void> make_solve_outputs(const Model& model, const LightingSetup& setup, const SolveOutcome& outcome,
+                                const SolutionBracket* bracket, std::optional<LightmapFormat> ktx2,
+                                OutputFolder& folder, Console& console) {
+  const std::vector<Rgb>& indirect = outcome.gathered;
   const std::vector<Rgb>& direct = setup.gather_direct;
   if (const auto added = add_lightmaps(model, direct, indirect, ktx2, folder, console); !added) return added;
   if (bracket) {
@@ -131,8 +132,9 @@ Result<void> make_solve_outputs(const Model& model, const LightingSetup& setup, 
   }
   const Bracket* radiosity = bracket ? &bracket->radiosity : nullptr;
   const Bracket* irradiance_bounds = bracket ? &bracket->irradiance : nullptr;
-  folder.add("clusters.csv", clusters_csv(model, setup.lighting, solution.radiosity, radiosity));
+  folder.add("clusters.csv", clusters_csv(model, setup.lighting, outcome.solution.radiosity, radiosity));
   folder.add("sensors.csv", sensors_csv(model, direct, indirect, irradiance_bounds));
+  if (!model.probe_names.empty()) folder.add("probes.csv", probes_csv(model, outcome.probes));
   std::vector<Rgb> irradiance(direct);
   for (std::size_t row = 0; row < irradiance.size(); ++row) irradiance[row] += indirect[row];
   return add_pictures(model, setup, irradiance, folder);

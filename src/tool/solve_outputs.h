@@ -6,21 +6,20 @@
 #include "compute/lightmap_format.h"
 #include "core/bracket.h"
 #include "core/model.h"
-#include "core/solve.h"
 #include "tool/console.h"
 #include "tool/lighting_setup.h"
 #include "tool/output_folder.h"
+#include "tool/solver.h"
 
 namespace relume {
 
 /// Makes everything that `relume solve` leaves behind: lightmaps/SYSTEM.direct.exr and .indirect.exr,
-/// lightmaps.json, clusters.csv, sensors.csv, result.glb, preview.png. `indirect` is the gathered irradiance
-/// per gather row. With `ktx2`, lightmaps are written as .ktx2 in this format as well. With `bracket` (null:
-/// without), tables have its columns, and lightmaps/SYSTEM.low.exr and .high.exr bound the indirect ones;
-/// SYSTEM.width.png shows (high - low) / value as heat_color(). Warns of values that half precision cannot
-/// hold.
-Result<void> make_solve_outputs(const Model& model, const LightingSetup& setup, const Solution& solution,
-                                const std::vector<Rgb>& indirect, const SolutionBracket* bracket,
-                                std::optional<LightmapFormat> ktx2, OutputFolder& folder, Console& console);
+/// lightmaps.json, clusters.csv, sensors.csv, probes.csv where there are probes, result.glb, preview.png.
+/// With `ktx2`, lightmaps are written as .ktx2 in this format as well. With `bracket` (null: without), tables
+/// have its columns, and lightmaps/SYSTEM.low.exr and .high.exr bound the indirect ones; SYSTEM.width.png
+/// shows (high - low) / value as heat_color(). Warns of values that half precision cannot hold.
+Result<void> make_solve_outputs(const Model& model, const LightingSetup& setup, const SolveOutcome& outcome,
+                                const SolutionBracket* bracket, std::optional<LightmapFormat> ktx2,
+                                OutputFolder& folder, Console& console);
 
 }  // namespace relume

@@ -63,6 +63,7 @@ Result<SolveOutcome> solve_by_reference(const Model& model, const Lighting& ligh
   if (!solution->fallback.empty()) console.warn(solution->fallback + ".");
   const double bounces = watch.lap();
   outcome.gathered = gather(matrices.gather, lighting, solution->radiosity);
+  outcome.probes = probe_coefficients(model, lighting, solution->radiosity);
   outcome.solution = std::move(*solution);
   outcome.device = "reference";
   outcome.seconds = {{"decode", decode}, {"bounces", bounces}, {"gather", watch.lap()}};
@@ -107,6 +108,7 @@ Result<SolveOutcome> solve_by_vulkan(const Model& model, const Lighting& lightin
   outcome.solution = std::move(solved->solution);
   outcome.rounding_bound = solved->rounding_bound;
   outcome.gathered = std::move(solved->irradiance);
+  outcome.probes = std::move(solved->probes);
   outcome.device = std::move(solved->device);
   outcome.kernel = std::move(solved->kernel);
   outcome.seconds = seconds_json(solved->seconds, device_seconds);

@@ -9,6 +9,7 @@
 
 #include "core/methods/methods.h"
 #include "core/model.h"
+#include "core/probe_coefficients.h"
 #include "core/solve.h"
 #include "tool/console.h"
 
@@ -24,8 +25,9 @@ struct SolverChoice {
 struct SolveOutcome {
   Solution solution;
   std::vector<Rgb> gathered;  ///< irradiance through form factors per gather row, lux
-  std::string device;         ///< "reference" or the name of the Vulkan device
-  std::string kernel;         ///< empty for the reference
+  std::vector<ProbeCoefficients> probes;
+  std::string device;  ///< "reference" or the name of the Vulkan device
+  std::string kernel;  ///< empty for the reference
   Method method = Method::bounces;
   std::string method_reason;             ///< a sentence without a full stop
   std::optional<ScenePrediction> scene;  ///< where the method was chosen by what was measured

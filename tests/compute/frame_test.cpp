@@ -76,7 +76,7 @@ class FrameTest : public DeviceTest {
     return 1e-5 * top;
   }
 
-  Model model_ = random_model({.nodes = 20, .spanning_nodes = 5}, 1, {ValueCodec::f32, 2000});
+  Model model_ = random_model({.nodes = 20, .spanning_nodes = 5, .probes = 6}, 1, {ValueCodec::f32, 2000});
   Lighting lighting_ = random_lighting(model_, 2);
   double largest_ = largest_radiosity(lighting_);
 };

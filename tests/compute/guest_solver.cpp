@@ -168,11 +168,21 @@ std::vector<Rgb> Guest::irradiance() const {
   return all;
 }
 
+std::vector<ProbeCoefficients> Guest::probes() const {
+  std::vector<ProbeCoefficients> all;
+  if (model_.probe_names.empty()) return all;
+  const std::vector<Rgb> values = memory_->read_rgb(solver_->probe_coefficients());
+  for (auto at = values.begin(); at != values.end(); at += kProbeHarmonics)
+    std::copy_n(at, kProbeHarmonics, all.emplace_back().begin());
+  return all;
+}
+
 DeviceSolution Guest::results(std::uint32_t bounces) const {
   DeviceSolution out;
   out.solution.bounces = bounces;
   out.solution.radiosity = radiosity();
   out.irradiance = irradiance();
+  out.probes = probes();
   return out;
 }
 

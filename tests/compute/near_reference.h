@@ -8,6 +8,7 @@
 
 #include "compute/standalone/solve_on_device.h"
 #include "core/compare.h"
+#include "core/probe_coefficients.h"
 #include "core/reference_solver.h"
 
 namespace relume::test {
@@ -17,12 +18,13 @@ namespace relume::test {
 inline constexpr double kDeviceTolerance = 1e-5;
 
 inline testing::AssertionResult near_reference(const char* what, const std::vector<Rgb>& values,
-                                               const std::vector<Rgb>& reference) {
+                                               const std::vector<Rgb>& reference,
+                                               const std::vector<Rgb>& magnitudes = {}) {
   if (values.size() != reference.size()) {
     return testing::AssertionFailure()
            << what << ": " << values.size() << " values, expected " << reference.size();
   }
-  const Comparison result = compare(what, values, reference);
+  const Comparison result = compare(what, values, reference, magnitudes);
   if (result.max_relative_error <= kDeviceTolerance) return testing::AssertionSuccess();
   return testing::AssertionFailure() << what << ": relative error " << result.max_relative_error << " at "
                                      << result.worst_index << ", channel " << result.worst_channel << ": "
@@ -38,8 +40,15 @@ inline testing::AssertionResult agrees_with_reference(const DeviceSolution& devi
   if (auto result = near_reference("radiosity", device.solution.radiosity, reference->radiosity); !result) {
     return result;
   }
-  return near_reference("irradiance", device.irradiance,
-                        gather(matrices.gather, lighting, reference->radiosity));
+  if (auto result = near_reference("irradiance", device.irradiance,
+                                   gather(matrices.gather, lighting, reference->radiosity));
+      !result) {
+    return result;
+  }
+  const FlatCoefficients probes =
+      flat_coefficients(probe_coefficients(model, lighting, reference->radiosity));
+  return near_reference("coefficients of probes", flat_coefficients(device.probes).values, probes.values,
+                        probes.magnitudes);
 }
 
 }  // namespace relume::test

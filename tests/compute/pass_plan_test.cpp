@@ -81,6 +81,26 @@ TEST(PassPlan, RowsOfAllBlocksAreCoveredOnce) {
   }
 }
 
+TEST(PassPlan, AllProbesAreCoveredOnce) {
+  const Model model = random_model({.probes = 40}, 2);
+  const System& system = model.systems[1];
+  const auto layout = system_layout(model, 1, {});
+  ASSERT_TRUE(layout);
+  const SystemDispatches all =
+      plan_dispatches(system, *layout, RowKernel::row_per_8_lanes, MatrixFetch::texels, 500);
+  std::uint32_t next = 0;
+  std::uint64_t cost = 0;
+  for (const DispatchStep& step : dispatches_of(all, StepKernel::probes)) {
+    EXPECT_EQ(step.range.first_row, next);
+    EXPECT_EQ(step.workgroups, (step.range.count + 7) / 8);
+    EXPECT_TRUE(step.cost <= 500 || step.range.count == 1);
+    next += step.range.count;
+    cost += step.cost;
+  }
+  EXPECT_EQ(next, 40u);
+  EXPECT_EQ(cost, system.probe_senders.size() * kProbeEntryCost);
+}
+
 TEST(PassPlan, NoDispatchHasMoreWorkgroupsThanEveryDeviceAllows) {
   // 70 000 empty rows in one block: 8750 workgroups of 8 rows fit one dispatch, a million rows do not.
   MatrixBlock block;

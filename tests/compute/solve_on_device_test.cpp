@@ -174,6 +174,40 @@ TEST_F(SolveOnDevice, NodesAreTheMeansOfTheirLeaves) {
 
 // Two clusters that shine 8 and 4 and have shares of 1/4 and 3/4 make a node of (8 + 3 * 4) / 4 = 5, of which
 // the only row receives a quarter. All of it is exact.
+TEST_F(SolveOnDevice, ProbesAgreeWithTheReference) {
+  const Model model = random_model({.nodes = 9, .spanning_nodes = 30, .probes = 21}, 43);
+  const Lighting lighting = random_lighting(model, 44);
+  const DeviceSolution whole = solve(model, lighting, {30, 0.0});
+  ASSERT_EQ(whole.probes.size(), 84u);
+  EXPECT_TRUE(agrees_with_reference(whole, model, lighting));
+  // Cut into many dispatches and submissions.
+  DeviceSolveOptions small;
+  small.max_dispatch_form_factors = 1000;
+  small.max_submit_form_factors = 5000;
+  EXPECT_EQ(solve(model, lighting, {30, 0.0}, small).probes, whole.probes);
+  const Model part = unloaded(model, 1);
+  const Lighting of_part = random_lighting(part, 45);
+  EXPECT_TRUE(agrees_with_reference(solve(part, of_part, {30, 0.0}), part, of_part));
+}
+
+// Radiosities of 8 and 4, seen under 2 sr above and 1 sr at x: pi L00 = (16 + 4) / sqrt(4 pi), pi times the
+// coefficients of y and x 16 and 4 times sqrt(3 / 4 pi).
+TEST_F(SolveOnDevice, AProbeByHand) {
+  Model model = drawn_model({{{{0, 0}, {0, 1}}, {{0.0, 0.0}, {0.0, 0.0}}, {}}}, 0);
+  model.systems[0].probe_senders = {{0, 2.0f, {0.0f, 1.0f, 0.0f}}, {1, 1.0f, {1.0f, 0.0f, 0.0f}}};
+  model.systems[0].probes = {{{}, 0, 0, 0, 2}};
+  model.probe_names = {"p"};
+  Lighting lighting = uniform_lighting(2, Rgb(0.5), Rgb(8.0));
+  lighting.exitance[1] = Rgb(4.0);
+  const DeviceSolution out = solve(model, lighting, {1, 0.0});
+  ASSERT_EQ(out.probes.size(), 1u);
+  const double y0 = std::sqrt(0.25 / kPi), y1 = std::sqrt(0.75 / kPi);
+  EXPECT_NEAR(out.probes[0][0].x, 20.0 * y0 / kPi, 1e-6);
+  EXPECT_NEAR(out.probes[0][1].x, 16.0 * y1 / kPi, 1e-6);
+  EXPECT_NEAR(out.probes[0][2].x, 0.0, 1e-6);
+  EXPECT_NEAR(out.probes[0][3].x, 4.0 * y1 / kPi, 1e-6);
+}
+
 TEST_F(SolveOnDevice, ANodeByHand) {
   Model model = drawn_model({{{{0, 2}}, {{0.0}, {0.0}}, {{0.25}}}}, 0);
   model.systems[0].tree = {{{0, 2, 0}}, {0.25f, 0.75f}};

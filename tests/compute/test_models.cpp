@@ -89,6 +89,22 @@ DenseMatrix random_rows(Random& random, std::uint32_t rows, std::uint32_t column
   return dense;
 }
 
+/// Lists of senders with directions of any length up to 1.
+void add_probes(Random& random, const RandomShape& shape, Model& model, System& system) {
+  for (std::uint32_t i = 0; i < shape.probes; ++i) {
+    const auto first = static_cast<std::uint32_t>(system.probe_senders.size());
+    const auto columns = static_cast<std::uint32_t>(system.imports.size());
+    const std::uint32_t count = i % 5 == 4 ? 0 : 1 + random.below(shape.row_entries);
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const auto column = static_cast<std::uint32_t>(std::uint64_t{k} * columns / count);
+      const glm::dvec3 direction(random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5);
+      system.probe_senders.push_back({column, static_cast<float>(0.1 + random.unit()), glm::vec3(direction)});
+    }
+    system.probes.push_back({{}, static_cast<std::uint32_t>(model.probe_names.size()), 0, first, count});
+    model.probe_names.push_back(std::to_string(model.probe_names.size()));
+  }
+}
+
 std::vector<SenderRef> all_senders(const RandomShape& shape) {
   std::vector<SenderRef> senders;
   const auto add = [&](std::uint32_t system, std::uint32_t leaves) {
@@ -143,6 +159,7 @@ Model random_model(const RandomShape& shape, std::uint64_t seed, const Storage& 
   Model model = drawn_model(systems, shape.sky_patches, storage);
   for (System& system : model.systems) {
     for (Cluster& cluster : system.clusters) cluster.area = static_cast<float>(0.1 + random.unit());
+    add_probes(random, shape, model, system);
     system.tree = random_tree(random, shape.nodes, static_cast<std::uint32_t>(system.clusters.size()));
   }
   model.sky_tree = random_tree(random, shape.nodes, shape.sky_patches);

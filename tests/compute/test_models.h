@@ -47,6 +47,7 @@ struct RandomShape {
   std::uint32_t sky_patches = 11;
   std::uint32_t nodes = 0;  ///< per system that has two clusters, and of the sky: ranges of any length
   std::uint32_t spanning_nodes = 0;  ///< above the systems: a random sender of each of some systems
+  std::uint32_t probes = 0;          ///< per system, with up to row_entries senders; every fifth sees nothing
   std::uint32_t row_entries = 40;    ///< at most; every seventh row is empty
   double row_sum = 0.95;
 };

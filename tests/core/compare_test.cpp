@@ -25,6 +25,14 @@ TEST(Compare, FindsTheWorstEntry) {
   EXPECT_NEAR(result.rms_relative_error, std::sqrt((0.05 * 0.05 + 0.02 * 0.02 + 0.1 * 0.1) / 6.0), 1e-12);
 }
 
+TEST(Compare, TakesErrorsRelativeToMagnitudesThatAreGiven) {
+  const std::vector<Rgb> reference{Rgb(0.0, -1.0, 2.0)}, values{Rgb(0.1, -1.2, 2.0)};
+  const Comparison result = compare("sums", values, reference, std::vector<Rgb>{Rgb(10.0, 4.0, 1.0)});
+  // Errors: 0.1 / 10, 0.2 / 4, 0.
+  EXPECT_NEAR(result.max_relative_error, 0.05, 1e-12);
+  EXPECT_EQ(result.worst_channel, 1);
+}
+
 TEST(Compare, HistogramHasADecadePerBin) {
   const std::vector<Rgb> reference(3, Rgb(1.0));
   const std::vector<Rgb> values{Rgb(3.0, 1.5, 1.05), Rgb(1.0 + 5e-4, 1.0 + 5e-11, 1.0 + 5e-13), Rgb(1.0)};

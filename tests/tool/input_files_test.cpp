@@ -162,6 +162,28 @@ TEST(SensorsFile, MistakesAreNamedByTheirLine) {
   expect_refused(mistakes, read_sensors);
 }
 
+TEST(ProbesFile, NeedsNoNormals) {
+  const std::filesystem::path file = fresh_folder() / "probes.csv";
+  write_text(file, "id,px,py,pz\nfirst,1,2,3\n7,-4,5,6\n");
+  const Result<std::vector<ProbePoint>> probes = read_probes(file);
+  ASSERT_TRUE(probes) << probes.error().message;
+  ASSERT_EQ(probes->size(), 2u);
+  EXPECT_EQ((*probes)[0].name, "first");
+  EXPECT_EQ((*probes)[1].position, glm::dvec3(-4, 5, 6));
+}
+
+TEST(ProbesFile, MistakesAreNamedByTheirLine) {
+  const std::string header = "id,px,py,pz\n";
+  const std::vector<Mistake> mistakes{
+      {"", "line 1: expected the header id,px,py,pz"},
+      {"a,1,2,3\n", "line 1: expected the header id,px,py,pz"},
+      {header + "a,1,2\n", "line 2: expected 4 cells, found '3'"},
+      {header + "a,1,2,3\nb,1,2,x\n", "line 3: expected a number, found 'x'"},
+      {header + "a,1,2,3\na,1,2,3\n", "line 3: expected an id that no other probe has, found 'a'"},
+  };
+  expect_refused(mistakes, read_probes);
+}
+
 TEST(SkyOption, IsATripleOrAFile) {
   EXPECT_EQ(parse_triple("1,2.5,0"), Rgb(1, 2.5, 0));
   EXPECT_EQ(parse_triple("1e3,0,0"), Rgb(1000, 0, 0));

@@ -252,6 +252,80 @@ Rgb PathTracer::path(SurfacePoint3 at, glm::dvec3 direction, Random& random) con
   }
 }
 
+Rgb PathTracer::radiance(const glm::dvec3& origin, const glm::dvec3& direction, Random& random) const {
+  Hit hit;
+  if (!closest(origin, direction, std::numeric_limits<double>::infinity(), hit))
+    return sky_ ? sky_(direction) : Rgb(0.0);
+  const Triangle& triangle = triangles_[hit.triangle];
+  const double facing = -glm::dot(direction, triangle.normal);
+  if (facing < 0.0 && !triangle.double_sided) return Rgb(0.0);
+  const glm::dvec3 normal = facing < 0.0 ? -triangle.normal : triangle.normal;
+  const SurfacePoint3 at{origin + hit.distance * direction + lift_ * normal, normal};
+  const double u = random();
+  const Rgb irradiance = direct(at) + path(at, cosine_about(normal, u, random()), random);
+  return triangle.albedo * irradiance / kPi;
+}
+
+PathTracer::Seen PathTracer::seen_emitter(const glm::dvec3& origin, Random& random) const {
+  if (emitters_.empty()) return {};
+  const double choice = random();
+  const auto chosen = std::find_if(emitters_.begin(), emitters_.end() - 1,
+                                   [&](const EmittingSide& e) { return choice < e.cumulative; });
+  const Triangle& triangle = triangles_[chosen->triangle];
+  const double root = std::sqrt(random()), v = random();
+  const glm::dvec3 normal = chosen->sign * triangle.normal;
+  const glm::dvec3 point =
+      triangle.corner + root * (1.0 - v) * triangle.edge1 + root * v * triangle.edge2 + lift_ * normal;
+  const glm::dvec3 way = point - origin;
+  const double squared = glm::dot(way, way), cosine = -glm::dot(way, normal) / std::sqrt(squared);
+  if (cosine <= 0.0 || blocked(origin, point)) return {};
+  return {glm::normalize(way), triangle.exitance / kPi * (cosine / (squared * chosen->density))};
+}
+
+namespace {
+
+std::array<double, 9> harmonics_of(const glm::dvec3& d) {
+  return {std::sqrt(1.0 / (4.0 * kPi)),
+          std::sqrt(3.0 / (4.0 * kPi)) * d.y,
+          std::sqrt(3.0 / (4.0 * kPi)) * d.z,
+          std::sqrt(3.0 / (4.0 * kPi)) * d.x,
+          std::sqrt(15.0 / (4.0 * kPi)) * d.x * d.y,
+          std::sqrt(15.0 / (4.0 * kPi)) * d.y * d.z,
+          std::sqrt(5.0 / (16.0 * kPi)) * (3.0 * d.z * d.z - 1.0),
+          std::sqrt(15.0 / (4.0 * kPi)) * d.x * d.z,
+          std::sqrt(15.0 / (16.0 * kPi)) * (d.x * d.x - d.y * d.y)};
+}
+
+}  // namespace
+
+std::array<Estimate, 9> PathTracer::incident(const glm::dvec3& position, const PathOptions& options) const {
+  const auto side = std::max(1u, std::uint32_t(std::sqrt(double(options.paths_per_batch)) + 1e-9));
+  Random random(options.seed);
+  std::array<Rgb, 9> sum{}, squares{};
+  for (std::uint32_t b = 0; b < options.batches; ++b) {
+    std::array<Rgb, 9> batch{};
+    for (std::uint32_t i = 0; i < side * side; ++i) {
+      const double z = 2.0 * (i / side + random()) / side - 1.0;
+      const double phi = 2.0 * kPi * (i % side + random()) / side;
+      const double across = std::sqrt(1.0 - z * z);
+      const glm::dvec3 direction(across * std::cos(phi), across * std::sin(phi), z);
+      const Rgb reflected = radiance(position, direction, random) * (4.0 * kPi);
+      const Seen emitted = seen_emitter(position, random);
+      const auto at_direction = harmonics_of(direction), at_emitter = harmonics_of(emitted.direction);
+      for (std::size_t h = 0; h < 9; ++h)
+        batch[h] += (at_direction[h] * reflected + at_emitter[h] * emitted.light) / double(side * side);
+    }
+    for (std::size_t h = 0; h < 9; ++h) sum[h] += batch[h], squares[h] += batch[h] * batch[h];
+  }
+  const double n = options.batches;
+  std::array<Estimate, 9> result;
+  for (std::size_t h = 0; h < 9; ++h) {
+    const Rgb mean = sum[h] / n;
+    result[h] = {mean, glm::sqrt(glm::max(Rgb(0.0), squares[h] / n - mean * mean) / (n - 1.0))};
+  }
+  return result;
+}
+
 Rgb PathTracer::batch(const SurfacePoint3& at, std::uint32_t side, Random& random) const {
   Rgb sum(0.0);
   for (std::uint32_t i = 0; i < side * side; ++i) {

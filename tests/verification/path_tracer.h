@@ -54,6 +54,11 @@ class PathTracer {
   /// (E. Veach, L. Guibas, 1995). Thread-safe; the same for the same seed.
   Estimate indirect(const SurfacePoint3& at, const PathOptions& options) const;
 
+  /// Coefficients of the radiance that arrives at a point from all sides but from punctual lights themselves:
+  /// real orthonormal harmonics Y00; y, z, x; xy, yz, 3z2 - 1, xz, x2 - y2. Directions are stratified over
+  /// the sphere; emitters are sampled by area.
+  std::array<Estimate, 9> incident(const glm::dvec3& position, const PathOptions& options) const;
+
   /// The same for many points, on all cores.
   std::vector<Estimate> indirect(std::span<const SurfacePoint3> points, const PathOptions& options) const;
 
@@ -86,6 +91,13 @@ class PathTracer {
   bool blocked(const glm::dvec3& from, const glm::dvec3& to) const;
   Rgb emitted_by_area(const SurfacePoint3& at, Random& random) const;
   double emitter_density(std::uint32_t triangle, double sign) const;
+  struct Seen {
+    glm::dvec3 direction{0.0};
+    Rgb light{0.0};  ///< radiance over the density of the direction
+  };
+  /// What a surface reflects, or the sky.
+  Rgb radiance(const glm::dvec3& origin, const glm::dvec3& direction, Random& random) const;
+  Seen seen_emitter(const glm::dvec3& origin, Random& random) const;
   Rgb path(SurfacePoint3 at, glm::dvec3 direction, Random& random) const;
   Rgb batch(const SurfacePoint3& at, std::uint32_t side, Random& random) const;
 

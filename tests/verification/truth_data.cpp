@@ -47,6 +47,18 @@ RoomTruth read_room_truth(const std::filesystem::path& file) {
   return truth;
 }
 
+ProbeTruth read_probe_truth(const std::filesystem::path& file) {
+  const json data = read_json(file);
+  ProbeTruth truth;
+  for (const json& p : data.at("position"))
+    truth.points.push_back({std::to_string(truth.points.size()), {p[0], p[1], p[2]}});
+  for (const json& probe : data.at("sh_radiance")) {
+    const std::vector<Rgb> values = colors(probe);
+    std::copy_n(values.begin(), kProbeHarmonics, truth.coefficients.emplace_back().begin());
+  }
+  return truth;
+}
+
 std::vector<SensorPoint> read_sensors(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::string line;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/probe_coefficients.h"
 #include "core/quantities.h"
 #include "precompute/precompute.h"
 
@@ -27,9 +28,16 @@ struct RoomTruth {
   std::vector<Rgb> standard_error;
 };
 
-/// Both throw std::runtime_error with a sentence when the file is not as expected.
+/// All throw std::runtime_error with a sentence when the file is not as expected.
 RoomTruth read_room_truth(const std::filesystem::path& json);
 std::vector<SensorPoint> read_sensors(const std::filesystem::path& csv);
+
+/// Incident radiance without punctual lights, in the order of core/probe_coefficients.h.
+struct ProbeTruth {
+  std::vector<ProbePoint> points;
+  std::vector<ProbeCoefficients> coefficients;
+};
+ProbeTruth read_probe_truth(const std::filesystem::path& json);
 
 /// One case of form_factors.json.
 struct FactorTruth {

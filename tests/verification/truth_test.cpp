@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <glm/geometric.hpp>
 #include <map>
 #include <numeric>
 
@@ -45,13 +46,14 @@ class Truth : public testing::Test {
     return std::move(*loaded);
   }
 
-  Model model(const std::string& name, const std::string& sensors_csv, double cluster_size,
-              double texel_size) const {
+  Model model(const std::string& name, const std::string& sensors_csv, double cluster_size, double texel_size,
+              std::vector<ProbePoint> probes = {}) const {
     PrecomputeOptions options;
     options.cluster_size = cluster_size;
     options.texel_size = texel_size;
     options.sensor_quality = 16384;
     options.sensors = read_sensors(folder_ / sensors_csv);
+    options.probes = std::move(probes);
     return precompute_or_throw(scene(name), options);
   }
 
@@ -107,8 +109,26 @@ class Truth : public testing::Test {
   std::filesystem::path folder_;
 };
 
+/// |c - c_true| / L00, root mean square over probes, coefficients and channels.
+double probe_error(const std::vector<ProbeCoefficients>& values,
+                   const std::vector<ProbeCoefficients>& truth) {
+  const FlatCoefficients found = flat_coefficients(values), expected = flat_coefficients(truth);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < expected.values.size(); ++i) {
+    const Rgb off = (found.values.at(i) - expected.values[i]) / expected.magnitudes[i];
+    squares += glm::dot(off, off);
+  }
+  return std::sqrt(squares / (3.0 * double(expected.values.size())));
+}
+
 TEST_F(Truth, FurnishedRoomUnderThreeLightingsOnOnePrecompute) {
-  const Model room = model("room_A", "room_sensors.csv", 0.15, 0.05);
+  const ProbeTruth probes = read_probe_truth(folder_ / "room_A_probes.json");
+  const Model room = model("room_A", "room_sensors.csv", 0.15, 0.05, probes.points);
+  const Scene scene_a = scene("room_A");
+  const double off = probe_error(solve_probes(room, light(room, scene_a, {scene_a.lights, room_sky()})),
+                                 probes.coefficients);
+  RecordProperty("room_A_probes", std::to_string(off));
+  EXPECT_LE(off, 0.02);
   expect_truth(sensors_under(room, "room_A", true), "room_A");
   expect_truth(sensors_under(room, "room_B", false), "room_B");
   expect_truth(sensors_under(room, "room_C", true), "room_C");

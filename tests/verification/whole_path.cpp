@@ -42,6 +42,14 @@ GatheredIrradiance solve_and_gather(const Model& model, const RunTimeLighting& l
   return {lit.gather_direct, gather(matrices.gather, lit.lighting, solution.radiosity)};
 }
 
+std::vector<ProbeCoefficients> solve_probes(const Model& model, const RunTimeLighting& lit) {
+  StopRule rule;
+  rule.tolerance = 1e-6;
+  const Solution solution =
+      value_or_throw(solve_reference(reference_matrices(model).bounce, lit.lighting, rule));
+  return probe_coefficients(model, lit.lighting, solution.radiosity);
+}
+
 std::vector<Rgb> at_sensors(const Model& model, const std::vector<Rgb>& gather_rows) {
   std::vector<Rgb> values(model.sensor_names.size());
   const auto offsets = gather_offsets(model);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/model.h"
+#include "core/probe_coefficients.h"
 #include "core/sky.h"
 #include "core/solve.h"
 #include "precompute/precompute.h"
@@ -39,6 +40,9 @@ struct GatheredIrradiance {
 /// Reference solve to 1e-6, then the gather. Throws std::runtime_error with the message of a refusal, which
 /// fails the test.
 GatheredIrradiance solve_and_gather(const Model& model, const RunTimeLighting& lit);
+
+/// The same for the light probes.
+std::vector<ProbeCoefficients> solve_probes(const Model& model, const RunTimeLighting& lit);
 
 /// The part of a per-gather-row array that belongs to the sensors, in their order.
 std::vector<Rgb> at_sensors(const Model& model, const std::vector<Rgb>& gather_rows);

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+#include "precompute/sphere_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <span>
+
+#include "core/quantities.h"
+#include "core/sky.h"
+
+namespace relume {
+namespace {
+
+/// Area samples of emitters for each ray.
+constexpr std::uint32_t kRaysPerAreaSample = 16;
+constexpr std::uint32_t kMaxAreaSamples = 4096;
+/// Directions whose mean is shorter are told in parts: they reach about 20 degrees around it.
+constexpr float kShortestMean = 0.97f;
+/// Parts are cells of the sphere (core/sky.h) of about so many degrees.
+constexpr std::uint32_t kPartResolution = 4;
+
+glm::vec3 direction_of(const RayPacket& packet, int lane) {
+  return {packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]};
+}
+
+/// Upper estimate of the solid angle of an emitter: its cosine as large as its size allows.
+double largest_solid_angle(const Emitter& emitter, const glm::vec3& position) {
+  const glm::vec3 to = emitter.centroid - position;
+  const float distance = std::max(glm::length(to), 1e-12f);
+  const float slack = std::min(1.0f, emitter.radius / distance);
+  const float bend = 1.0f - std::min(1.0f, glm::length(emitter.normal));
+  const float cosine = std::clamp(-glm::dot(to / distance, emitter.normal) + slack + bend, 0.0f, 1.0f);
+  return std::min(2.0 * kPi, emitter.area * cosine / (double(distance) * distance));
+}
+
+double sum_of(const std::vector<SeenSender>& samples) {
+  double sum = 0.0;
+  for (const SeenSender& sample : samples) sum += double(sample.solid_angle);
+  return sum;
+}
+
+/// The mean of [first, last), all of one sender.
+SeenSender mean_of(std::span<const SeenSender> samples) {
+  double solid_angle = 0.0;
+  glm::dvec3 moment(0.0);
+  for (const SeenSender& sample : samples) {
+    solid_angle += double(sample.solid_angle);
+    moment += double(sample.solid_angle) * glm::dvec3(sample.direction);
+  }
+  return {samples.front().sender, float(solid_angle), glm::vec3(moment / std::max(solid_angle, 1e-300))};
+}
+
+/// Calls with each run of samples of which `of` gives the same, after sorting them by it.
+template <class Key, class Use>
+void for_each_run(std::span<SeenSender> samples, const Key& of, const Use& use) {
+  std::stable_sort(samples.begin(), samples.end(),
+                   [&](const SeenSender& a, const SeenSender& b) { return of(a) < of(b); });
+  for (std::size_t first = 0, last = 0; first < samples.size(); first = last) {
+    while (last < samples.size() && of(samples[last]) == of(samples[first])) ++last;
+    use(samples.subspan(first, last - first));
+  }
+}
+
+}  // namespace
+
+std::vector<SeenSender> unite_senders(std::vector<SeenSender> samples) {
+  std::vector<SeenSender> result;
+  const auto add = [&](std::span<const SeenSender> run) {
+    const SeenSender seen = mean_of(run);
+    if (seen.solid_angle > 0.0f) result.push_back(seen);
+  };
+  const auto sender = [](const SeenSender& sample) { return sample.sender; };
+  const auto part = [](const SeenSender& sample) {
+    return sky_cell(glm::dvec3(sample.direction), kPartResolution);
+  };
+  for_each_run(samples, sender, [&](std::span<SeenSender> run) {
+    if (glm::length(mean_of(run).direction) >= kShortestMean) {
+      add(run);
+    } else {
+      for_each_run(run, part, add);
+    }
+  });
+  return result;
+}
+
+SphereTracer::SphereTracer(const RowScene& scene)
+    : scene_(scene), emitter_points_(scene.emitters.list.empty() ? 0 : kMaxAreaSamples) {}
+
+ProbeRow SphereTracer::trace(const glm::vec3& position, const SobolPoints& points) {
+  const std::uint64_t key = mix(Receiver::point({position, glm::vec3(0.0f)}).key(), scene_.seed);
+  counted_.clear(), emitted_.clear();
+  area_samples_ = std::min(kMaxAreaSamples, points.count() / kRaysPerAreaSample);
+  density_by_ray_ = points.count() / (4.0 * kPi);
+  choose_emitters(position);
+  const Totals totals = trace_rays(position, points, key);
+  if (choice_.any()) sample_emitters(position, mix(key, 1));
+  rays_ += points.count();
+  close(totals.arrived / density_by_ray_);
+  counted_.insert(counted_.end(), emitted_.begin(), emitted_.end());
+  return {unite_senders(counted_), float(totals.back_faces) / float(points.count())};
+}
+
+void SphereTracer::choose_emitters(const glm::vec3& position) {
+  choice_.probability.clear(), choice_.cumulative.clear();
+  double sum = 0.0;
+  for (const Emitter& emitter : scene_.emitters.list) {
+    choice_.probability.push_back(largest_solid_angle(emitter, position));
+    sum += choice_.probability.back();
+  }
+  double below = 0.0;
+  for (double& probability : choice_.probability) {
+    probability = sum > 0.0 ? probability / sum : 0.0;
+    choice_.cumulative.push_back(below += probability);
+  }
+}
+
+SphereTracer::Totals SphereTracer::trace_rays(const glm::vec3& position, const SobolPoints& points,
+                                              std::uint64_t key) {
+  Totals totals;
+  for (std::uint32_t first = 0; first < points.count(); first += kPacketSize) {
+    SampleLanes samples;
+    points.scrambled(first, key, samples);
+    RayPacket packet;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const glm::vec3 direction = sphere_direction(samples.coordinate[0][lane], samples.coordinate[1][lane]);
+      set_ray(packet, lane, position, direction, std::numeric_limits<float>::infinity());
+    }
+    scene_.caster.closest_hits(packet, RaySpread::narrow);
+    for (int lane = 0; lane < kPacketSize; ++lane) add_hit(packet, lane, totals);
+  }
+  return totals;
+}
+
+void SphereTracer::add_hit(const RayPacket& packet, int lane, Totals& totals) {
+  const std::uint32_t triangle = packet.triangle[lane];
+  const glm::vec3 direction = direction_of(packet, lane);
+  const double whole = 1.0 / density_by_ray_;
+  if (triangle == kNoTriangle) {
+    ++totals.arrived;
+    const std::uint32_t cell = sky_cell(glm::dvec3(direction), scene_.sky_resolution);
+    counted_.push_back({scene_.sky_senders[cell], float(whole), direction});
+    return;
+  }
+  const std::uint32_t sender = scene_.lookup.seen(triangle, packet.u[lane], packet.v[lane], direction);
+  if (sender == SenderLookup::kBlackBack) ++totals.back_faces;
+  if (sender >= SenderLookup::kBlackBack) return;
+  ++totals.arrived;
+  const std::uint32_t emitter = scene_.emitters.list.empty() ? kNone : scene_.emitters.of_cluster[sender];
+  if (emitter == kNone || !(choice_.probability[emitter] > 0.0)) {
+    counted_.push_back({sender, float(whole), direction});
+    return;
+  }
+  const double cosine = std::abs(glm::dot(direction, scene_.geometry.normals[triangle]));
+  const double by_area = density_by_area(emitter, double(packet.far[lane]) * packet.far[lane], cosine);
+  emitted_.push_back({sender, float(whole * power_heuristic(density_by_ray_, by_area)), direction});
+}
+
+double SphereTracer::density_by_area(std::uint32_t emitter, double squared_distance, double cosine) const {
+  return area_samples_ * choice_.probability[emitter] * squared_distance /
+         (scene_.emitters.list[emitter].area * std::max(cosine, 1e-9));
+}
+
+void SphereTracer::sample_emitters(const glm::vec3& position, std::uint64_t key) {
+  for (std::uint32_t first = 0; first < area_samples_; first += kPacketSize)
+    add_connections(position, first, key);
+}
+
+void SphereTracer::add_connections(const glm::vec3& position, std::uint32_t first, std::uint64_t key) {
+  SampleLanes samples;
+  emitter_points_.scrambled(first, key, samples);
+  RayPacket packet;
+  std::array<SeenSender, kLanes> drawn;
+  std::array<bool, kLanes> useful;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    float u = samples.coordinate[0][lane];
+    const auto chosen = std::uint32_t(choice_.choose(u));
+    const Emitter& emitter = scene_.emitters.list[chosen];
+    const SurfacePoint target = emitter.points.sample(u, samples.coordinate[1][lane]);
+    const glm::vec3 way = target.position + scene_.geometry.offset * target.normal - position;
+    const double squared = glm::dot(way, way), distance = std::sqrt(squared);
+    const double cosine = -glm::dot(way, target.normal) / std::max(distance, 1e-30);
+    useful[lane] = first + lane < area_samples_ && squared > 0.0 && cosine > 0.0;
+    set_ray(packet, lane, position, way, useful[lane] ? 1.0f : -1.0f);
+    if (!useful[lane]) continue;
+    const double by_area = density_by_area(chosen, squared, cosine);
+    drawn[lane] = {emitter.cluster, float(power_heuristic(by_area, density_by_ray_) / by_area),
+                   way / float(distance)};
+    ++occlusion_rays_;
+  }
+  const std::uint32_t hidden = scene_.caster.occluded(packet);
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    if (useful[lane] && (hidden >> lane & 1u) == 0) emitted_.push_back(drawn[lane]);
+  }
+}
+
+void SphereTracer::close(double solid_angle) {
+  const RowScales scales = close_row(sum_of(emitted_), sum_of(counted_), solid_angle);
+  for (SeenSender& sample : emitted_) sample.solid_angle *= float(scales.emitted);
+  for (SeenSender& sample : counted_) sample.solid_angle *= float(scales.counted);
+}
+
+}  // namespace relume

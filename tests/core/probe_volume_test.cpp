@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#include "core/probe_volume.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "core/model_file.h"
+#include "core/probe_coefficients.h"
+
+namespace relume {
+namespace {
+
+/// One cell of 2 m from the origin, probes 0 to 7 at its corners.
+ProbeVolume one_cell() {
+  ProbeVolume volume;
+  volume.edge = 2.0f;
+  volume.counts = {1, 1, 1};
+  volume.nodes = {kProbeCellBit};
+  ProbeCell& cell = volume.cells.emplace_back();
+  std::iota(cell.probes.begin(), cell.probes.end(), 0u);
+  return volume;
+}
+
+/// The wall x = 1: what lies below counts for the corners there, what lies above for the others.
+ProbeVolume cell_with_a_wall() {
+  ProbeVolume volume = one_cell();
+  volume.planes = {{1.0f, 0.0f, 0.0f, -1.0f}};
+  volume.cells[0].plane_count = 1;
+  for (std::size_t c = 0; c < 8; ++c) volume.cells[0].sides[c] = (c & 1u) != 0 ? 1u : 1u << 8;
+  return volume;
+}
+
+TEST(ProbeVolume, WeightsAreTrilinear) {
+  const WeightedProbes at = probes_at(one_cell(), {0.5f, 1.0f, 1.5f});
+  for (std::uint32_t c = 0; c < 8; ++c) {
+    EXPECT_EQ(at.probes[c], c);
+    const double expected = ((c & 1u) != 0 ? 0.25 : 0.75) * 0.5 * ((c & 4u) != 0 ? 0.75 : 0.25);
+    EXPECT_NEAR(at.weights[c], expected, 1e-6) << c;
+  }
+}
+
+TEST(ProbeVolume, ProbesBehindAWallHaveNoWeight) {
+  const ProbeVolume volume = cell_with_a_wall();
+  for (const float x : {0.01f, 0.5f, 0.999f, 1.001f, 1.9f}) {
+    const WeightedProbes at = probes_at(volume, {x, 0.7f, 1.2f});
+    float sum = 0.0f;
+    for (std::uint32_t c = 0; c < 8; ++c) {
+      const bool hidden = (x > 1.0f) != ((c & 1u) != 0);
+      EXPECT_TRUE(!hidden || at.weights[c] == 0.0f) << x;
+      sum += at.weights[c];
+    }
+    EXPECT_NEAR(sum, 1.0f, 1e-6f) << x;
+  }
+}
+
+TEST(ProbeVolume, OutsideItIsThatOfTheNearestCell) {
+  const WeightedProbes at = probes_at(one_cell(), {-5.0f, 9.0f, -0.1f});
+  EXPECT_GT(at.weights[2], 0.99f);
+}
+
+TEST(ProbeVolume, HalvesAreFoundByTheirPlace) {
+  ProbeVolume volume;
+  volume.edge = 2.0f;
+  volume.counts = {1, 1, 1};
+  volume.nodes = {1};
+  for (std::uint32_t c = 0; c < 8; ++c) {
+    volume.nodes.push_back(kProbeCellBit | c);
+    volume.cells.emplace_back().probes.fill(c);
+  }
+  for (std::uint32_t c = 0; c < 8; ++c) {
+    const glm::vec3 point((c & 1u) != 0 ? 1.3f : 0.3f, (c & 2u) != 0 ? 1.3f : 0.3f,
+                          (c & 4u) != 0 ? 1.3f : 0.3f);
+    EXPECT_EQ(probes_at(volume, point).probes[0], c);
+  }
+}
+
+TEST(ProbeVolume, GivesTheIrradianceOfAnEvenLight) {
+  // Radiance 3 from everywhere: pi x 3 lux on every plane.
+  std::vector<ProbeCoefficients> probes(8);
+  for (ProbeCoefficients& probe : probes) probe[0] = Rgb(3.0 * std::sqrt(4.0 * kPi));
+  const WeightedProbes at = probes_at(cell_with_a_wall(), {0.4f, 0.1f, 1.7f});
+  EXPECT_NEAR(probe_irradiance(probes, at, {0.6, 0.0, 0.8}).x, 3.0 * kPi, 1e-5);
+}
+
+TEST(ProbeVolume, SurvivesTheFileAndIsChecked) {
+  Model model;
+  model.probe_names.resize(8);
+  model.probe_volume = cell_with_a_wall();
+  ASSERT_TRUE(check_model(model)) << check_model(model).error().message;
+  const auto read = decode_model(encode_model(model), "volume");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(probe_volume_words(read->probe_volume), probe_volume_words(model.probe_volume));
+
+  const auto refused = [&](auto breaks) {
+    Model broken = model;
+    breaks(broken.probe_volume);
+    return !check_model(broken);
+  };
+  EXPECT_TRUE(refused([](ProbeVolume& v) { v.cells[0].probes[3] = 8; }));
+  EXPECT_TRUE(refused([](ProbeVolume& v) { v.cells[0].sides[3] = 2; }));
+  EXPECT_TRUE(refused([](ProbeVolume& v) { v.cells[0].plane_count = 2; }));
+  EXPECT_TRUE(refused([](ProbeVolume& v) { v.nodes[0] = 0; }));
+  EXPECT_TRUE(refused([](ProbeVolume& v) { v.nodes[0] = kProbeCellBit | 1u; }));
+  EXPECT_TRUE(refused([](ProbeVolume& v) { v.counts[1] = 0; }));
+  EXPECT_TRUE(refused([](ProbeVolume& v) { v.counts[2] = 0xffffffffu; }));
+  EXPECT_TRUE(refused([](ProbeVolume& v) { v.edge = 0.0f; }));
+  EXPECT_TRUE(refused([](ProbeVolume& v) { v.planes[0].x = 0.5f; }));
+  EXPECT_TRUE(refused([](ProbeVolume& v) { v.nodes.clear(); }));
+}
+
+}  // namespace
+}  // namespace relume
