@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "tool/debug_view.h"
+#include "tool/lighting_setup.h"
 
 namespace relume {
 namespace {
@@ -319,6 +320,14 @@ class Parser {
             "--debug", take_views, "Pictures and a .glb of one property; may be given several times")
         ->type_name(fmt::format("{}", fmt::join(views, "|")))
         ->allow_extra_args(false);
+    const auto take_place = [this](const std::string& text) {
+      const std::optional<Rgb> place = parse_triple(text);
+      if (!place) throw CLI::ValidationError("--at", fmt::format("expected X,Y,Z, found '{}'", text));
+      export_.at = *place;
+    };
+    command
+        .add_option_function<std::string>("--at", take_place, "The receiver that --debug form_factors draws")
+        ->type_name("X,Y,Z");
   }
 
   void add_chart() {
@@ -328,7 +337,8 @@ class Parser {
     add_path(command, "-o,--output", "DIR", chart_.output, "Folder for the results")->required();
     command.add_flag("--quick", options.quick, "Fewer points of a coarser model: a minute or two");
     add_number(command, "--texel-size", options.texel_size, kLength, "Default: about 40 k lumels, quick 6 k");
-    add_number(command, "--cluster-size", options.cluster_size, kLength, "Default: about 4 k clusters, quick 1 k");
+    add_number(command, "--cluster-size", options.cluster_size, kLength,
+               "Default: about 4 k clusters, quick 1 k");
     add_number(command, "--threads", options.threads, kCount, "Of precomputes (default: all)");
     add_device(command, chart_device_, false);
   }

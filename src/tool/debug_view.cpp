@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "tool/debug_view.h"
 
+#include <cmath>
 #include <functional>
 #include <glm/common.hpp>
 
 #include "tool/heat_color.h"
 #include "tool/lightmap_image.h"
+#include "tool/row_views.h"
 
 namespace relume {
 namespace {
@@ -60,13 +62,20 @@ std::vector<double> row_sums(const BlockMatrix& matrix) {
   return sums;
 }
 
+/// Per gather row, for views that have a number there; else nothing.
+std::vector<double> numbers_of_rows(const Model& model, std::size_t s, const std::string& view) {
+  if (view == "row_sum") return row_sums(model.systems[s].gather);
+  if (view == "cut") return shares_of_nodes(model, s);
+  if (view == "row_length") return relative_row_lengths(model, s);
+  return {};
+}
+
 ColorImage draw_system(const Model& model, std::size_t s, const std::string& view) {
   // Invalid lumels are part of the picture here.
   System system = model.systems[s];
   std::vector<Rgb> colors;
-  if (view == "row_sum") {
-    const std::vector<double> sums = row_sums(system.gather);
-    for (std::size_t i = 0; i < system.lumels.size(); ++i) colors.push_back(heat_color(sums[i]));
+  if (const std::vector<double> numbers = numbers_of_rows(model, s, view); !numbers.empty()) {
+    for (std::size_t i = 0; i < system.lumels.size(); ++i) colors.push_back(heat_color(numbers[i]));
   } else {
     const LumelColor color = color_of_view(view);
     for (std::size_t i = 0; i < system.lumels.size(); ++i) colors.push_back(color({system, s, i, i}));
@@ -75,15 +84,34 @@ ColorImage draw_system(const Model& model, std::size_t s, const std::string& vie
   return lightmap_image(system, colors);
 }
 
+std::vector<ColorImage> draw_form_factors(const Model& model, const glm::dvec3& at) {
+  const Rgb chosen(0.05, 0.9, 0.2);
+  const ChosenLumel receiver = nearest_lumel(model, at);
+  const std::vector<double> densities = form_factor_densities(model, receiver);
+  const auto first = cluster_offsets(model);
+  std::vector<ColorImage> images;
+  for (std::size_t s = 0; s < model.systems.size(); ++s) {
+    const System& system = model.systems[s];
+    std::vector<Rgb> colors;
+    for (const Lumel& lumel : system.lumels)
+      colors.push_back(heat_color(std::sqrt(densities[first[s] + system.elements[lumel.element].cluster])));
+    if (s == receiver.system) colors[receiver.lumel] = chosen;
+    images.push_back(lightmap_image(system, colors));
+  }
+  return images;
+}
+
 }  // namespace
 
 const std::vector<std::string>& debug_view_names() {
-  static const std::vector<std::string> names{"albedo",  "clusters", "materials",
-                                              "row_sum", "systems",  "validity"};
+  static const std::vector<std::string> names{"albedo",       "clusters",  "cut",
+                                              "form_factors", "materials", "row_length",
+                                              "row_sum",      "systems",   "validity"};
   return names;
 }
 
-std::vector<ColorImage> draw_debug_view(const Model& model, const std::string& view) {
+std::vector<ColorImage> draw_debug_view(const Model& model, const std::string& view, const glm::dvec3& at) {
+  if (view == "form_factors") return draw_form_factors(model, at);
   std::vector<ColorImage> images;
   for (std::size_t s = 0; s < model.systems.size(); ++s) images.push_back(draw_system(model, s, view));
   return images;

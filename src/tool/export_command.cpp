@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
@@ -73,8 +74,9 @@ Result<ByteImage> debug_picture(const Model& model, const std::vector<ColorImage
   return develop_flat(cast_picture(scene, choose_camera(scene)));
 }
 
-Result<void> add_debug_view(const Model& model, const std::string& view, OutputFolder& folder) {
-  const std::vector<ColorImage> images = draw_debug_view(model, view);
+Result<void> add_debug_view(const Model& model, const std::string& view, const glm::dvec3& at,
+                            OutputFolder& folder) {
+  const std::vector<ColorImage> images = draw_debug_view(model, view, at);
   const std::vector<std::string> names = system_file_names(model);
   for (std::size_t s = 0; s < images.size(); ++s) {
     if (images[s].pixels.empty()) continue;
@@ -99,7 +101,8 @@ Result<void> add_all(const Model& model, const ExportArguments& arguments, Outpu
     if (!added) return added;
   }
   for (const std::string& view : arguments.debug) {
-    if (const auto added = add_debug_view(model, view, folder); !added) return added;
+    const auto added = add_debug_view(model, view, arguments.at.value_or(glm::dvec3(0.0)), folder);
+    if (!added) return added;
   }
   return {};
 }
@@ -107,6 +110,12 @@ Result<void> add_all(const Model& model, const ExportArguments& arguments, Outpu
 }  // namespace
 
 Result<int> run(const ExportArguments& arguments, Console& console) {
+  const bool needs_place = std::count(arguments.debug.begin(), arguments.debug.end(), "form_factors") > 0;
+  if (needs_place && !arguments.at) {
+    return fail(ErrorCode::usage,
+                "--debug form_factors: expected --at X,Y,Z (world space, m), the receiver to draw them of, "
+                "found none");
+  }
   const Result<Model> model = read_model(arguments.file);
   if (!model) return tl::unexpected(model.error());
   OutputFolder folder(arguments.output);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <glm/vec3.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,7 @@ struct ExportArguments {
   std::string matrices;  ///< "mtx", "npz" or empty
   bool glb = false;
   std::vector<std::string> debug;  ///< names of debug_view_names()
+  std::optional<glm::dvec3> at;    ///< world space, m: the receiver whose form factors are drawn
 };
 
 /// `relume export`: matrices, geometry and debug pictures of a model for other programs.

@@ -82,6 +82,7 @@ TEST(Arguments, MisuseEndsWithStatus2AndASentence) {
       {{"compare", "a.relume", "--device", "reference"}, "expected vulkan[:NAME]"},
       {{"factors", "a.glb", "--by", "colour"}, "expected node or material"},
       {{"export", "a.relume"}, "expected --matrices, --glb or --debug"},
+      {{"export", "a.relume", "--debug", "form_factors", "--at", "1,2"}, "expected X,Y,Z, found '1,2'"},
       {{"export", "a.relume", "--debug", "beauty"}, "found 'beauty'"},
       {{"info", "a.relume", "--colour"}, "--colour"},
   };
