@@ -72,6 +72,9 @@ uint32_t relume_model_sky_patch_count(const relume_model* model);
  * An image of 1 x 1 is the same radiance from everywhere. */
 relume_status relume_model_sky(const relume_model* model, const float* image, uint32_t width, uint32_t height,
                                float* patches, relume_error* error);
+/* The same of a cube map: six faces of `size` x `size` pixels, +X, -X, +Y, -Y, +Z, -Z, each as Vulkan holds it. */
+relume_status relume_model_sky_faces(const relume_model* model, const float* faces, uint32_t size, float* patches,
+                                     relume_error* error);
 uint32_t relume_model_material_count(const relume_model* model);
 /* As long as the model. A material is a number below relume_model_material_count. */
 const char* relume_model_material_name(const relume_model* model, uint32_t material);

@@ -57,18 +57,40 @@ uint32_t relume_model_sky_patch_count(const relume_model* model) {
   return static_cast<uint32_t>(model->model.sky_cells.size());
 }
 
+namespace {
+
+std::vector<glm::vec3> pixels_of(const float* image, std::size_t count) {
+  std::vector<glm::vec3> pixels;
+  for (std::size_t i = 0; i < count; ++i)
+    pixels.emplace_back(image[3 * i], image[3 * i + 1], image[3 * i + 2]);
+  return pixels;
+}
+
+void write_patches(const std::vector<Rgb>& radiosity, float* patches) {
+  for (const Rgb& patch : radiosity) {
+    for (int c = 0; c < 3; ++c) *patches++ = static_cast<float>(patch[c]);
+    *patches++ = 0.0f;
+  }
+}
+
+}  // namespace
+
 relume_status relume_model_sky(const relume_model* model, const float* image, uint32_t width, uint32_t height,
                                float* patches, relume_error* error) {
   return guarded(error, [&]() -> Result<void> {
     if (width == 0 || height == 0) return fail(ErrorCode::usage, "a sky image without pixels");
-    EquirectangularSky sky{width, height, {}};
-    for (std::size_t i = 0; i < std::size_t{width} * height; ++i)
-      sky.radiance.emplace_back(image[3 * i], image[3 * i + 1], image[3 * i + 2]);
-    const Model& of = model->model;
-    for (const Rgb& patch : sky_radiosity(sky, of.sky_cells, of.sky_resolution)) {
-      for (int c = 0; c < 3; ++c) *patches++ = static_cast<float>(patch[c]);
-      *patches++ = 0.0f;
-    }
+    const EquirectangularSky sky{width, height, pixels_of(image, std::size_t{width} * height)};
+    write_patches(sky_radiosity(Sky(sky), model->model.sky_cells, model->model.sky_resolution), patches);
+    return {};
+  });
+}
+
+relume_status relume_model_sky_faces(const relume_model* model, const float* faces, uint32_t size,
+                                     float* patches, relume_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (size == 0) return fail(ErrorCode::usage, "sky faces without pixels");
+    const CubeSky sky{size, pixels_of(faces, std::size_t{6} * size * size)};
+    write_patches(sky_radiosity(sky, model->model.sky_cells, model->model.sky_resolution), patches);
     return {};
   });
 }

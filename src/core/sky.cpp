@@ -78,6 +78,55 @@ CellSums integrate(const EquirectangularSky& sky, std::uint32_t resolution) {
   return sums;
 }
 
+/// Through s = (a + 1) / 2, t = (b + 1) / 2 of a face of a cube map.
+glm::dvec3 cube_direction(std::uint32_t face, double a, double b) {
+  switch (face) {
+    case 0:
+      return {1.0, -b, -a};
+    case 1:
+      return {-1.0, -b, a};
+    case 2:
+      return {a, 1.0, b};
+    case 3:
+      return {a, -1.0, -b};
+    case 4:
+      return {a, -b, 1.0};
+    default:
+      return {-a, -b, -1.0};
+  }
+}
+
+CellSums integrate(const CubeSky& sky, std::uint32_t resolution) {
+  const std::size_t cells = std::size_t{6} * resolution * resolution;
+  CellSums sums{std::vector<Rgb>(cells, Rgb(0.0)), std::vector<double>(cells, 0.0)};
+  const std::uint32_t parts = std::max(1u, (16 * resolution + sky.size - 1) / sky.size);
+  const std::uint32_t edge = sky.size * parts;
+  for (std::uint32_t face = 0; face < 6; ++face) {
+    for (std::uint32_t k = 0; k < edge * edge; ++k) {
+      const std::uint32_t row = k / edge, column = k % edge;
+      const glm::dvec3 direction =
+          cube_direction(face, 2.0 * (column + 0.5) / edge - 1.0, 2.0 * (row + 0.5) / edge - 1.0);
+      const double part = std::pow(glm::dot(direction, direction), -1.5);
+      const std::uint32_t cell = sky_cell(direction, resolution);
+      const std::size_t pixel = (std::size_t{face} * sky.size + row / parts) * sky.size + column / parts;
+      sums.flux[cell] += part * Rgb(sky.radiance[pixel]);
+      sums.solid_angle[cell] += part;
+    }
+  }
+  return sums;
+}
+
+std::vector<Rgb> cell_means(const CellSums& sums, const std::vector<std::uint32_t>& cells) {
+  std::vector<Rgb> radiosity;
+  radiosity.reserve(cells.size());
+  for (const std::uint32_t cell : cells) {
+    const double solid_angle = sums.solid_angle[cell];
+    const Rgb mean = solid_angle > 0.0 ? sums.flux[cell] / solid_angle : Rgb(0.0);
+    radiosity.push_back(exitance_from_radiance(mean));
+  }
+  return radiosity;
+}
+
 }  // namespace
 
 std::uint32_t sky_cell(const glm::dvec3& direction, std::uint32_t resolution) {
@@ -118,16 +167,14 @@ std::vector<Rgb> sky_radiosity(const Sky& sky, const std::vector<std::uint32_t>&
   if (const Rgb* radiance = std::get_if<Rgb>(&sky)) {
     return std::vector<Rgb>(cells.size(), exitance_from_radiance(*radiance));
   }
-  std::vector<Rgb> radiosity;
-  if (cells.empty()) return radiosity;
-  const CellSums sums = integrate(std::get<EquirectangularSky>(sky), resolution);
-  radiosity.reserve(cells.size());
-  for (const std::uint32_t cell : cells) {
-    const double solid_angle = sums.solid_angle[cell];
-    const Rgb mean = solid_angle > 0.0 ? sums.flux[cell] / solid_angle : Rgb(0.0);
-    radiosity.push_back(exitance_from_radiance(mean));
-  }
-  return radiosity;
+  if (cells.empty()) return {};
+  return cell_means(integrate(std::get<EquirectangularSky>(sky), resolution), cells);
+}
+
+std::vector<Rgb> sky_radiosity(const CubeSky& sky, const std::vector<std::uint32_t>& cells,
+                               std::uint32_t resolution) {
+  if (cells.empty() || sky.size == 0) return std::vector<Rgb>(cells.size(), Rgb(0.0));
+  return cell_means(integrate(sky, resolution), cells);
 }
 
 }  // namespace relume

@@ -33,10 +33,20 @@ struct EquirectangularSky {
   std::vector<glm::vec3> radiance;  ///< cd/m2, row by row
 };
 
+/// Radiance images of six faces, as graphics APIs hold a cube map (Vulkan specification, Cube Map Face Selection):
+/// +X, -X, +Y, -Y, +Z, -Z, each row by row from its t = 0, seen from inside with +X to the right of +Z.
+struct CubeSky {
+  std::uint32_t size = 0;           ///< pixels along an edge, at least 1
+  std::vector<glm::vec3> radiance;  ///< cd/m2, 6 x size x size
+};
+
 /// Either one radiance (cd/m2) from everywhere, or an image.
 using Sky = std::variant<Rgb, EquirectangularSky>;
 
 /// Mean radiance of the sky over each cell of `cells` by solid angle, times pi: what the cells send as radiosity (lm/m2).
 std::vector<Rgb> sky_radiosity(const Sky& sky, const std::vector<std::uint32_t>& cells, std::uint32_t resolution);
+/// The same of a cube map.
+std::vector<Rgb> sky_radiosity(const CubeSky& sky, const std::vector<std::uint32_t>& cells,
+                               std::uint32_t resolution);
 
 }  // namespace relume

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <random>
 
@@ -109,6 +110,38 @@ TEST(Sky, EquirectangularImagesAreTheRightWayRound) {
   EXPECT_EQ(cell_of_pixel(16, 16), 1u) << "-X is to its left";
   EXPECT_EQ(cell_of_pixel(0, 16), 4u) << "the edges are +Z";
   EXPECT_EQ(cell_of_pixel(63, 16), 4u);
+}
+
+/// The cell of a quarter of the sphere's eighths that one bright pixel of a face of 2 x 2 lights, as the
+/// signs of its direction.
+glm::dvec3 signs_of_texel(std::uint32_t face, std::uint32_t row, std::uint32_t column) {
+  CubeSky cube{2, std::vector<glm::vec3>(24, glm::vec3(0.0f))};
+  cube.radiance[(face * 2 + row) * 2 + column] = glm::vec3(1.0f);
+  const std::vector<Rgb> radiosity = sky_radiosity(cube, all_cells(2), 2);
+  const auto brightest = std::max_element(radiosity.begin(), radiosity.end(),
+                                          [](const Rgb& a, const Rgb& b) { return a.x < b.x; });
+  EXPECT_NEAR(brightest->x, kPi, 1e-12) << "a texel covers one cell exactly";
+  return glm::sign(sky_cell_direction(static_cast<std::uint32_t>(brightest - radiosity.begin()), 2));
+}
+
+// Table "Cube map face and coordinate selection" of the Vulkan specification: the texel at s = 0, t = 0.
+TEST(Sky, FacesOfACubeMapAreTheRightWayRound) {
+  EXPECT_EQ(signs_of_texel(0, 0, 0), glm::dvec3(1, 1, 1));
+  EXPECT_EQ(signs_of_texel(1, 0, 0), glm::dvec3(-1, 1, -1));
+  EXPECT_EQ(signs_of_texel(2, 0, 0), glm::dvec3(-1, 1, -1));
+  EXPECT_EQ(signs_of_texel(3, 0, 0), glm::dvec3(-1, -1, 1));
+  EXPECT_EQ(signs_of_texel(4, 0, 0), glm::dvec3(-1, 1, 1));
+  EXPECT_EQ(signs_of_texel(5, 0, 0), glm::dvec3(1, 1, -1));
+  EXPECT_EQ(signs_of_texel(0, 1, 0), glm::dvec3(1, -1, 1)) << "rows go down";
+  EXPECT_EQ(signs_of_texel(4, 0, 1), glm::dvec3(1, 1, 1)) << "+X is to the right on +Z";
+}
+
+TEST(Sky, AnEvenCubeMapIsAConstantSky) {
+  const CubeSky cube{3, std::vector<glm::vec3>(54, glm::vec3(2.0f, 3.0f, 4.0f))};
+  for (const Rgb& patch : sky_radiosity(cube, all_cells(5), 5)) {
+    EXPECT_NEAR(patch.x, 2.0 * kPi, 1e-12);
+    EXPECT_NEAR(patch.z, 4.0 * kPi, 1e-12);
+  }
 }
 
 TEST(Sky, ABrightPixelKeepsItsFlux) {

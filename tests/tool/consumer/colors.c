@@ -200,9 +200,11 @@ static int light_by_screen(struct stage* s) {
   return light(s, &frame, 0, PI * 50.0 * form_factor(), "white image");
 }
 
-/* A sky of 20 cd/m2 comes in beside the lid, which the screen left at 50. */
+/* A sky of 20 cd/m2 comes in beside the lid, which the screen left at 50; then one of 30, as six faces. */
 static int light_by_sky(struct stage* s) {
   const float radiance[3] = {20.0f, 20.0f, 20.0f};
+  float faces[18];
+  for (int i = 0; i < 18; ++i) faces[i] = 30.0f;
   relume_error error;
   relume_frame frame;
   memset(&frame, 0, sizeof frame);
@@ -211,12 +213,15 @@ static int light_by_sky(struct stage* s) {
       relume_model_system_count(s->model),
       0,
       {s->inputs.range.buffer, s->inputs.range.offset, 16 * relume_model_sky_patch_count(s->model)}};
-  if (copy.source.byte_size > s->inputs.range.byte_size ||
-      relume_model_sky(s->model, radiance, 1, 1, s->inputs.mapped, &error) != RELUME_OK)
-    return 1;
   frame.copies = &copy;
   frame.copy_count = 1;
-  return light(s, &frame, 0, PI * (50.0 * form_factor() + 20.0 * (1.0 - form_factor())), "sky");
+  const double lid = 50.0 * form_factor(), beside = 1.0 - form_factor();
+  if (copy.source.byte_size > s->inputs.range.byte_size ||
+      relume_model_sky(s->model, radiance, 1, 1, s->inputs.mapped, &error) != RELUME_OK ||
+      light(s, &frame, 0, PI * (lid + 20.0 * beside), "sky") ||
+      relume_model_sky_faces(s->model, faces, 1, s->inputs.mapped, &error) != RELUME_OK)
+    return 1;
+  return light(s, &frame, 0, PI * (lid + 30.0 * beside), "sky of six faces");
 }
 
 /* A lamp between the squares, as much of it as a mask says: what the floor reflects of it and the lid gets.
