@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <sstream>
@@ -69,7 +68,7 @@ std::vector<std::string> split(const std::string& line) {
 }  // namespace
 
 Finished run_command(const std::vector<std::string>& command, const std::vector<std::string>& environment,
-                     int interrupt_after_ms) {
+                     const Interruption& interruption) {
   const std::filesystem::path folder = fresh_folder();
   const std::string out = folder / "out.txt";
   const std::string err = folder / "err.txt";
@@ -86,9 +85,9 @@ Finished run_command(const std::vector<std::string>& command, const std::vector<
     ADD_FAILURE() << command[0] << " could not be started";
     return {};
   }
-  if (interrupt_after_ms > 0) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(interrupt_after_ms));
-    kill(child, SIGINT);
+  if (interruption.signal != 0) {
+    std::this_thread::sleep_for(interruption.after);
+    kill(child, interruption.signal);
   }
   int status = 0;
   waitpid(child, &status, 0);
@@ -96,9 +95,9 @@ Finished run_command(const std::vector<std::string>& command, const std::vector<
 }
 
 Finished run_relume(std::vector<std::string> arguments, const std::vector<std::string>& environment,
-                    int interrupt_after_ms) {
+                    const Interruption& interruption) {
   arguments.insert(arguments.begin(), RELUME_PROGRAM);
-  return run_command(arguments, environment, interrupt_after_ms);
+  return run_command(arguments, environment, interruption);
 }
 
 nlohmann::json relume_json(std::vector<std::string> arguments) {

@@ -3,6 +3,7 @@
 // Runs programs the way a person does, and reads what they leave behind.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -17,14 +18,19 @@ struct Finished {
   std::string err;
 };
 
-/// Runs a program with arguments; `environment` (NAME=VALUE) replaces parts of ours. With
-/// `interrupt_after_ms` it gets SIGINT once.
+/// A signal that a program gets once, so long after its start.
+struct Interruption {
+  int signal = 0;  ///< none
+  std::chrono::microseconds after{};
+};
+
+/// Runs a program with arguments; `environment` (NAME=VALUE) replaces parts of ours.
 Finished run_command(const std::vector<std::string>& command,
-                     const std::vector<std::string>& environment = {}, int interrupt_after_ms = 0);
+                     const std::vector<std::string>& environment = {}, const Interruption& interruption = {});
 
 /// Runs `relume`.
 Finished run_relume(std::vector<std::string> arguments, const std::vector<std::string>& environment = {},
-                    int interrupt_after_ms = 0);
+                    const Interruption& interruption = {});
 
 /// Runs `relume ... --json` and expects exit status 0 and one JSON object on standard output.
 nlohmann::json relume_json(std::vector<std::string> arguments);

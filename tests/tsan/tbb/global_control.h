@@ -1,0 +1,2 @@
+// SPDX-License-Identifier: MIT
+#include "../own_loop.h"
