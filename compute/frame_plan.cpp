@@ -19,7 +19,8 @@ std::uint64_t cost_of(const SystemTraits& traits, StepKernel kernel) {
 std::uint64_t pass_cost(const SystemTraits& traits, std::uint32_t bounces) {
   const std::uint64_t import = cost_of(traits, StepKernel::import_radiosity);
   return bounces * (import + cost_of(traits, StepKernel::bounce) + cost_of(traits, StepKernel::nodes)) +
-         import + cost_of(traits, StepKernel::gather) + cost_of(traits, StepKernel::probes);
+         import + cost_of(traits, StepKernel::gather) + cost_of(traits, StepKernel::directions) +
+         cost_of(traits, StepKernel::probes);
 }
 
 StepKernel kernel_of(PassStage stage) {
@@ -35,6 +36,8 @@ StepKernel kernel_of(PassStage stage) {
       return StepKernel::residual;
     case PassStage::gather:
       return StepKernel::gather;
+    case PassStage::directions:
+      return StepKernel::directions;
     case PassStage::probes:
       return StepKernel::probes;
     case PassStage::import:
@@ -181,6 +184,9 @@ class Planner {
         pass.stage = PassStage::gather;
         return;
       case PassStage::gather:
+        pass.stage = PassStage::directions;
+        return;
+      case PassStage::directions:
         pass.stage = PassStage::probes;
         return;
       case PassStage::probes:

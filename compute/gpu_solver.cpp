@@ -214,6 +214,14 @@ BufferRange GpuSolver::irradiance(std::uint32_t system) const {
   return {whole.buffer, whole.offset, loaded.layout.gather_rows * kRgbBytes};
 }
 
+BufferRange GpuSolver::directional_irradiance(std::uint32_t system) const {
+  const LoadedSystem& loaded = *state_->systems[system];
+  if (!loaded.layout.directional) return {};
+  const BufferRange& whole = loaded.ranges[kIrradiance];
+  return {whole.buffer, whole.offset + loaded.layout.gather_rows * kRgbBytes,
+          loaded.layout.gather_rows * kMomentBytes};
+}
+
 BufferRange GpuSolver::probe_coefficients() const {
   if (state_->layout.probes == 0) return {};
   const BufferRange& whole = state_->ranges[kProbeCoefficients];

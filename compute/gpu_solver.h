@@ -228,6 +228,9 @@ class GpuSolver {
   /// ... four floats per gather row (lumels, then sensors; lm/m2), whole when the system was published and
   /// until its next gather begins, ...
   BufferRange irradiance(std::uint32_t system) const;
+  /// ... likewise three times four floats per gather row, moments of its irradiance along x, y and z
+  /// (core/directional_irradiance.h; lm/m2): empty where the gather matrix has no directions, ...
+  BufferRange directional_irradiance(std::uint32_t system) const;
   /// ... likewise nine times four floats per light probe of all systems (Probe::name), in the order of
   /// Harmonics (core/probe_coefficients.h; cd/m2 sr^1/2, the last of four is 0): empty without probes. Those
   /// of a system that was never published are 0, as model_data() left them, ...

@@ -9,6 +9,7 @@
 #include "spirv/direct_gather.h"
 #include "spirv/direct_sum.h"
 #include "spirv/direct_trace.h"
+#include "spirv/directions.h"
 #include "spirv/gather_row_per_8_lanes.h"
 #include "spirv/gather_row_per_thread.h"
 #include "spirv/gather_tile_shared.h"
@@ -49,6 +50,8 @@ std::span<const std::uint32_t> kernel_code(KernelId kernel) {
       return bounce_tile_shuffle_spirv;
     case KernelId::gather_tile_shuffle:
       return gather_tile_shuffle_spirv;
+    case KernelId::directions:
+      return directions_spirv;
     case KernelId::nodes:
       return nodes_spirv;
     case KernelId::probes:
@@ -101,6 +104,8 @@ const char* kernel_file_name(KernelId kernel) {
       return "bounce_tile_shuffle";
     case KernelId::gather_tile_shuffle:
       return "gather_tile_shuffle";
+    case KernelId::directions:
+      return "directions";
     case KernelId::nodes:
       return "nodes";
     case KernelId::probes:

@@ -18,6 +18,7 @@ enum class KernelId : std::uint32_t {
   gather_tile_shared,
   bounce_tile_shuffle,
   gather_tile_shuffle,
+  directions,
   nodes,
   probes,
   residual,

@@ -53,6 +53,20 @@ std::vector<DispatchStep> plan_rows(const BlockMatrix& matrix, RowKernel row_ker
   return steps;
 }
 
+/// Of the blocks that have directions.
+std::vector<DispatchStep> plan_directions(const BlockMatrix& gather, MatrixFetch fetch,
+                                          std::uint64_t max_form_factors) {
+  std::vector<DispatchStep> steps;
+  for (DispatchStep step : plan_rows(gather, RowKernel::row_per_8_lanes, fetch,
+                                     std::max<std::uint64_t>(max_form_factors / kDirectionCost, 1))) {
+    if (gather.blocks[step.block].directions.empty()) continue;
+    step.range.first_sender = gather.blocks[step.block].row_count;
+    step.cost *= kDirectionCost;
+    steps.push_back(step);
+  }
+  return steps;
+}
+
 std::vector<DispatchStep> plan_probes(const System& system, const std::vector<ProbeBlockLayout>& blocks,
                                       std::uint64_t max_form_factors) {
   constexpr std::uint32_t kMost = kernels::kMaxWorkgroups * kernels::kProbesPerWorkgroup;
@@ -123,6 +137,7 @@ SystemDispatches plan_dispatches(const System& system, const SystemLayout& layou
   set(StepKernel::nodes, plan_nodes(system.tree, layout.clusters));
   set(StepKernel::residual, plan_elements(layout.clusters, layout.clusters));
   set(StepKernel::gather, plan_rows(system.gather, row_kernel, fetch, max_form_factors));
+  set(StepKernel::directions, plan_directions(system.gather, fetch, max_form_factors));
   set(StepKernel::probes, plan_probes(system, layout.probes, max_form_factors));
   return all;
 }

@@ -16,8 +16,17 @@
 namespace relume {
 
 /// What a dispatch does, in the order of a pass (compute/schedule.h).
-enum class StepKernel : std::uint32_t { start, import_radiosity, bounce, nodes, residual, gather, probes };
-inline constexpr std::size_t kStepKernels = 7;
+enum class StepKernel : std::uint32_t {
+  start,
+  import_radiosity,
+  bounce,
+  nodes,
+  residual,
+  gather,
+  directions,
+  probes
+};
+inline constexpr std::size_t kStepKernels = 8;
 
 /// What a row kernel is compiled for.
 struct BlockFormat {
@@ -33,10 +42,13 @@ struct DispatchStep {
   std::uint32_t block = 0;  ///< of the bounce or gather matrix, or of the probes
   kernels::Range range{};
   std::uint32_t workgroups = 0;
-  /// Form factors, zeros of tiles included; of probes, kProbeEntryCost for each entry of their lists; of
-  /// other kernels, the vec4 that they read.
+  /// Form factors, zeros of tiles included; of directions, three times as many; of probes, kProbeEntryCost
+  /// for each entry of their lists; of other kernels, the vec4 that they read.
   std::uint64_t cost = 0;
 };
+
+/// A direction has three values.
+inline constexpr std::uint64_t kDirectionCost = 3;
 
 /// An entry of a probe has nine values.
 inline constexpr std::uint64_t kProbeEntryCost = 9;

@@ -68,6 +68,8 @@ KernelId step_kernel_id(StepKernel step, RowKernel row_kernel, std::uint32_t til
       return KernelId::nodes;
     case StepKernel::residual:
       return KernelId::residual;
+    case StepKernel::directions:
+      return KernelId::directions;
     case StepKernel::probes:
       return KernelId::probes;
     case StepKernel::import_radiosity:

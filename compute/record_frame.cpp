@@ -71,10 +71,9 @@ class FrameRecorder {
     const DispatchStep& planned = dispatches_of(system.dispatches, step.kernel)[step.dispatch];
     std::array<VkDescriptorSet, kernels::kSets> sets{state_.sets.solve, system.sets.system};
     std::uint32_t set_count = kernels::kBlockSet;
-    if (step.kernel == StepKernel::bounce || step.kernel == StepKernel::gather) {
-      sets[set_count++] =
-          (step.kernel == StepKernel::bounce ? system.sets.bounce : system.sets.gather)[planned.block];
-    }
+    if (step.kernel == StepKernel::bounce) sets[set_count++] = system.sets.bounce[planned.block];
+    if (step.kernel == StepKernel::gather || step.kernel == StepKernel::directions)
+      sets[set_count++] = system.sets.gather[planned.block];
     if (step.kernel == StepKernel::probes) sets[set_count++] = system.sets.probes[planned.block];
     dispatch(step_kernel_id(step.kernel, state_.options.kernel, planned.format.tile_rows), planned,
              range_of(step, system, planned), sets, set_count);
@@ -97,6 +96,7 @@ class FrameRecorder {
   static kernels::Range range_of(const FrameStep& step, const LoadedSystem& system,
                                  const DispatchStep& planned) {
     kernels::Range range = planned.range;
+    if (step.kernel == StepKernel::directions) return range;
     range.first_sender = system.first_of_half(step.half);
     if (step.kernel == StepKernel::start || step.kernel == StepKernel::residual) {
       range.first_row = system.first_of_half(1 - step.half);

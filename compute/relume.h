@@ -256,6 +256,9 @@ typedef struct relume_input_copy {
 relume_buffer_range relume_input(const relume_solver* solver, uint32_t system, relume_quantity quantity);
 relume_buffer_range relume_radiosity(const relume_solver* solver, uint32_t system);
 relume_buffer_range relume_irradiance(const relume_solver* solver, uint32_t system);
+/* Three times four floats per gather row: first moments of its irradiance along x, y and z (lm/m2, the last of
+ * four is 0), without the light of punctual lights; null unless the file was precomputed with --directional. */
+relume_buffer_range relume_directional_irradiance(const relume_solver* solver, uint32_t system);
 /* Nine times four floats per light probe: coefficients of incident radiance (cd/m2 sr^1/2, the
  * last of four is 0), Y00; y, z, x; xy, yz, 3z2 - 1, xz, x2 - y2, without the light of punctual lights. */
 relume_buffer_range relume_probe_coefficients(const relume_solver* solver);

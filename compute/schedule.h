@@ -83,6 +83,7 @@ enum class PassStage : std::uint32_t {
   residual,
   gather_import,
   gather,
+  directions,
   probes,
   done
 };

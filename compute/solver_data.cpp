@@ -21,13 +21,15 @@ std::span<const std::byte> bytes_of(const std::vector<Element>& elements) {
 void add_blocks(UploadData& data, const BlockMatrix& matrix, const std::vector<BlockLayout>& layouts) {
   for (std::size_t i = 0; i < matrix.blocks.size(); ++i) {
     const MatrixBlock& block = matrix.blocks[i];
-    const auto add = [&](std::uint32_t binding, std::span<const std::byte> bytes) {
-      data.pieces.push_back({layouts[i].buffer, layouts[i].sections[binding].offset, bytes});
+    const auto add = [&](std::uint32_t binding, std::span<const std::byte> bytes, VkDeviceSize behind = 0) {
+      data.pieces.push_back({layouts[i].buffer, layouts[i].sections[binding].offset + behind, bytes});
     };
     add(kernels::kTileOffsetsBinding, bytes_of(block.tile_offsets));
     add(kernels::kColumnsBinding, bytes_of(block.columns));
     add(kernels::kValuesBinding, bytes_of(block.values));
     add(kernels::kRowScalesBinding, bytes_of(block.row_scales));
+    if (!block.directions.empty())
+      add(kernels::kRowScalesBinding, bytes_of(block.directions), block.row_scales.size() * sizeof(float));
   }
 }
 
@@ -111,6 +113,7 @@ UploadData system_upload(const Model& model, std::uint32_t index, const SystemLa
   add_stored_lighting(data, system);
   add_blocks(data, system.bounce, layout.bounce);
   add_blocks(data, system.gather, layout.gather);
+  if (layout.directional) data.add_owned(kIrradiance, 0, std::vector<std::byte>(layout.irradiance_bytes()));
   for (const ProbeBlockLayout& block : layout.probes) add_probes(data, system, block);
   return data;
 }

@@ -60,7 +60,8 @@ BlockLayout block_layout(const MatrixBlock& block, const std::string& name, VkDe
   bytes[kernels::kColumnsBinding] =
       align_up(block.columns.size() * sizeof(std::uint16_t), sizeof(std::uint32_t));
   bytes[kernels::kValuesBinding] = align_up(block.values.size(), sizeof(std::uint32_t));
-  bytes[kernels::kRowScalesBinding] = block.row_scales.size() * sizeof(float);
+  bytes[kernels::kRowScalesBinding] =
+      block.row_scales.size() * sizeof(float) + block.directions.size() * sizeof(std::uint32_t);
   BlockLayout layout;
   layout.code_format = code_format(block);
   VkDeviceSize end = 0;
@@ -87,7 +88,7 @@ void add_system_buffers(const SystemLayout& layout, BufferList& buffers) {
   const VkDeviceSize records = VkDeviceSize{layout.imports} + layout.import_parts;
   buffers.add("imports", records * sizeof(kernels::uvec4));
   buffers.add("local radiosity", layout.imports * kRgbBytes);
-  buffers.add("irradiance", layout.gather_rows * kRgbBytes);
+  buffers.add("irradiance", layout.irradiance_bytes());
   for (const char* name : {"albedo", "exitance", "direct", "weights"})
     buffers.add(name, layout.clusters * kRgbBytes);
   buffers.add("nodes", layout.nodes * sizeof(kernels::uvec4));
@@ -178,6 +179,8 @@ Result<SystemLayout> system_layout(const Model& model, std::uint32_t index, cons
     if (sender.system == kSpanningNodes) layout.import_parts += model.top_tree[sender.index].part_count;
   }
   layout.gather_rows = system.gather.rows;
+  layout.directional = std::any_of(system.gather.blocks.begin(), system.gather.blocks.end(),
+                                   [](const MatrixBlock& block) { return !block.directions.empty(); });
   BufferList buffers(layout.buffers, "system " + std::to_string(index) + " ", limits.alignment);
   add_system_buffers(layout, buffers);
   layout.bounce = matrix_layout(system.bounce, "bounce", limits.alignment, buffers);

@@ -81,10 +81,14 @@ struct SystemLayout {
   std::uint32_t imports = 0;
   std::uint32_t import_parts = 0;  ///< records after those of the imports: parts of nodes above the systems
   std::uint32_t gather_rows = 0;
+  bool directional = false;  ///< the gather matrix has directions
   std::vector<BufferRequirement> buffers;
   std::vector<BlockLayout> bounce;
   std::vector<BlockLayout> gather;
   std::vector<ProbeBlockLayout> probes;
+
+  /// Of the irradiance buffer: irradiance per gather row, then three moments per gather row.
+  VkDeviceSize irradiance_bytes() const;
 
   /// Of one half of its radiosity.
   std::uint32_t senders() const { return clusters + nodes; }
@@ -105,6 +109,13 @@ struct SolverLayout {
 
 /// Bytes of an RGB quantity per element on the device (vec4).
 inline constexpr VkDeviceSize kRgbBytes = 16;
+
+/// Bytes of the moments of a gather row.
+inline constexpr VkDeviceSize kMomentBytes = 3 * kRgbBytes;
+
+inline VkDeviceSize SystemLayout::irradiance_bytes() const {
+  return gather_rows * (kRgbBytes + (directional ? kMomentBytes : 0));
+}
 
 /// Bytes of the coefficients of a probe.
 inline constexpr VkDeviceSize kProbeBytes = kernels::kProbeHarmonics * kRgbBytes;

@@ -28,6 +28,9 @@ FormFactorRow RowMean::finish() {
     row.senders.push_back(sender);
     row.values.push_back(float(sums_[sender] / weight_));
     sums_[sender] = 0.0;
+    if (moments_.empty()) return;
+    row.moments.emplace_back(moments_[sender] / weight_);
+    moments_[sender] = glm::dvec3(0.0);
   });
   weight_ = 0.0;
   return row;

@@ -10,21 +10,25 @@
 
 namespace relume {
 
-/// Weighted mean of rows, gathered densely.
+/// Weighted mean of rows, gathered densely. All of its rows have moments or none.
 class RowMean {
  public:
   explicit RowMean(std::size_t senders) : sums_(senders, 0.0), touched_(senders) {}
   void add(const FormFactorRow& row, double weight) {
     weight_ += weight;
+    if (!row.moments.empty()) moments_.resize(sums_.size(), glm::dvec3(0.0));
     for (std::size_t i = 0; i < row.senders.size(); ++i) {
       sums_[row.senders[i]] += weight * double(row.values[i]);
       touched_.insert(row.senders[i]);
     }
+    for (std::size_t i = 0; i < row.moments.size(); ++i)
+      moments_[row.senders[i]] += weight * glm::dvec3(row.moments[i]);
   }
   FormFactorRow finish();
 
  private:
   std::vector<double> sums_;
+  std::vector<glm::dvec3> moments_;  ///< empty until a row has some
   SenderSet touched_;
   double weight_ = 0.0;
 };

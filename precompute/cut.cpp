@@ -75,10 +75,15 @@ void TileCutter::unite(std::span<const CutRow> tile) {
     leaves_.push_back(sender);
   });
   factors_.assign(leaves_.size() * tile_.size(), 0.0f);
+  const bool directional =
+      std::any_of(tile_.begin(), tile_.end(), [](const CutRow& row) { return !row.row->moments.empty(); });
+  moments_.assign(directional ? factors_.size() : 0, glm::vec3(0.0f));
   for (std::size_t r = 0; r < tile_.size(); ++r) {
     const FormFactorRow& row = *tile_[r].row;
     for (std::size_t i = 0; i < row.senders.size(); ++i)
       factors_[place_[row.senders[i]] * tile_.size() + r] = row.values[i];
+    for (std::size_t i = 0; i < row.moments.size(); ++i)
+      moments_[place_[row.senders[i]] * tile_.size() + r] = row.moments[i];
   }
 }
 
@@ -237,6 +242,16 @@ void TileCutter::add_flux(const Candidate& kept) const {
   }
 }
 
+std::vector<glm::vec3> TileCutter::moments_of(const std::vector<Candidate>& kept, std::size_t row) const {
+  std::vector<glm::vec3> moments;
+  for (const Candidate& c : kept) {
+    glm::dvec3 sum(0.0);
+    for (std::size_t i = c.first; i < c.last; ++i) sum += glm::dvec3(moments_[i * tile_.size() + row]);
+    moments.emplace_back(sum);
+  }
+  return moments;
+}
+
 CutTile TileCutter::finish(std::vector<Candidate> kept) const {
   std::sort(kept.begin(), kept.end(),
             [](const Candidate& a, const Candidate& b) { return a.first < b.first; });
@@ -252,6 +267,7 @@ CutTile TileCutter::finish(std::vector<Candidate> kept) const {
       for (std::size_t i = c.first; i < c.last; ++i) sum += double(factors_[i * tile_.size() + r]);
       tile.values[r].push_back(float(sum));
     }
+    if (!moments_.empty()) tile.moments.push_back(moments_of(kept, r));
     float squares = 0.0f;
     for (const float error : added_errors_[r]) squares += error * error;
     tile.error.push_back(std::sqrt(squares / float(kProbes) + float(std::max(spot_errors_, 0.0))));

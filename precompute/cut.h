@@ -20,7 +20,9 @@ struct CutTile {
   std::vector<std::uint32_t> nodes;  ///< of ClusterTree, ascending by first leaf, disjoint; their leaves hold
                                      ///< every form factor of the rows
   std::vector<std::vector<float>>
-      values;                ///< [row][node]: sum of the row's form factors over the leaves of the node
+      values;  ///< [row][node]: sum of the row's form factors over the leaves of the node
+  /// [row][node], of directional rows: the same sum of their moments; else empty.
+  std::vector<std::vector<glm::vec3>> moments;
   std::vector<float> error;  ///< [row]: of its irradiance by what the nodes hide, relative to its room's,
                              ///< estimated from the probes
 };
@@ -86,6 +88,7 @@ class TileCutter {
   /// Squared: errors of nodes count as independent, and as what they add up to if that is more.
   float tile_error() const;
   CutTile finish(std::vector<Candidate> kept) const;
+  std::vector<glm::vec3> moments_of(const std::vector<Candidate>& kept, std::size_t row) const;
   void add_flux(const Candidate& kept) const;
 
   const ClusterTree& tree_;
@@ -95,6 +98,7 @@ class TileCutter {
   std::vector<std::uint32_t> leaves_;    ///< that any row of the tile sees, ascending
   std::vector<std::uint32_t> place_;     ///< per sender: in leaves_
   std::vector<float> factors_;           ///< [leaf][row]
+  std::vector<glm::vec3> moments_;       ///< [leaf][row]; empty unless rows have moments
   std::vector<float> factor_sums_;       ///< [leaf][row]: of all leaves before
   std::vector<ProbeValues> light_sums_;  ///< [leaf][row]: of form factor x radiosity of all leaves before
   std::vector<ProbeValues> noise_sums_;  ///< [leaf]: of form factor x (weight x radiosity)^2 / rays over rows

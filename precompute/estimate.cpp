@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/directional_irradiance.h"
 #include "core/model_file.h"
 
 namespace relume {
@@ -52,7 +53,9 @@ void add_tiles(const BlockMatrix& matrix, Sums&& sums, Sampled&& sampled) {
       const double columns = block.tile_offsets[tile + 1] - block.tile_offsets[tile];
       sum.sampled += rows;
       sum.nonzeros += double(csr.row_offsets[row + rows] - csr.row_offsets[row]) * rows / known;
-      sum.bytes += columns * (2.0 + double(block.tile_rows * value_bytes(block.codec))) + 4.0 + 4.0 * rows;
+      const double direction = block.directions.empty() ? 0.0 : double(sizeof(std::uint32_t));
+      const double value = double(value_bytes(block.codec)) + direction;
+      sum.bytes += columns * (2.0 + block.tile_rows * value) + 4.0 + 4.0 * rows;
       sum.columns += columns;
       sum.tiles += 1.0;
     }
@@ -146,11 +149,13 @@ double bytes_while_traced(const Model& sample, const MatrixSums& sums, const Sam
                           const SampledShare& share, double model_bytes) {
   const double clusters =
       kEntryBytes * double(facts.counts.cluster_entries) / share.clusters + kRowBytes * sums.clusters.rows;
-  const double lumels =
-      kEntryBytes * double(facts.counts.element_entries) / share.elements + kRowBytes * sums.lumels.rows;
+  const double moment = is_directional(sample) ? double(sizeof(glm::vec3)) : 0.0;
+  const double lumels = (kEntryBytes + moment) * double(facts.counts.element_entries) / share.elements +
+                        kRowBytes * sums.lumels.rows;
   if (!facts.cut) return clusters + lumels + kEntryBytes * sums.sensors.nonzeros + model_bytes;
   const double batch = lumels * std::min(1.0, double(kBatchElements) / std::max(sums.lumels.rows, 1.0));
   const double tiles = kTileEntryBytes * (sums.clusters.columns + sums.lumels.columns) +
+                       kClustersOfTile * moment * sums.lumels.columns +
                        kTileBytes * (sums.clusters.tiles + sums.lumels.tiles);
   return tiles + kBatchSlack * (clusters * largest_share(sample) + batch) + model_bytes;
 }

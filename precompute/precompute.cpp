@@ -81,11 +81,12 @@ std::string options_json(const PrecomputeOptions& options, const PrecomputeRepor
           ? fmt::format(R"(,"estimated":{{"clusters":{:.3g},"rays":{:.3g},"cut":{:.3g},"precision":{:.3g}}})",
                         report.error.clusters, report.error.rays, report.error.cut, report.error.precision)
           : "";
+  const std::string directional = options.directional ? R"(,"directional":true)" : "";
   return fmt::format(
-      R"({{"error":{},"texel_size":{},"cluster_size":{},"quality":{},"sensor_quality":{},"budget":{},"system_lumels":{},"codec":"{}","max_albedo":{},"seed":{}{}}})",
+      R"({{"error":{},"texel_size":{},"cluster_size":{},"quality":{},"sensor_quality":{},"budget":{},"system_lumels":{},"codec":"{}","max_albedo":{},"seed":{}{}{}}})",
       options.error, report.texel_size, report.cluster_size, plan.lumels.rays, plan.sensors.rays,
       options.budget, options.system_lumels, kCodecs[std::size_t(plan.codec)], options.max_albedo,
-      options.seed, reached);
+      options.seed, directional, reached);
 }
 
 void add_sensors(const PrecomputeOptions& options, const std::vector<std::uint32_t>& systems, Model& model) {
@@ -332,6 +333,7 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
     return tl::unexpected(done.error());
   report.seconds_surfaces = seconds_since(start);
   follow_target(*surfaces, options, *prepared, counts, plan);
+  prepared->rows.directional = options.directional;  // from here on: nothing before asks for directions
   report.seconds_rays = seconds_since(start) - report.seconds_surfaces;
   Start rows{scene, options, *caster, *surfaces, *prepared, {}, options.probes, {}};
   if (options.auto_probes || options.probe_spacing > 0.0) {

@@ -63,6 +63,7 @@ struct PrecomputeOptions {
   /// In place of both: denser where light between them would be off. Each then keeps about 256 nodes, unless
   /// error or budget ask for others.
   bool auto_probes = false;
+  bool directional = false;  ///< the gather matrix gets directions (core/directional_irradiance.h)
 };
 
 /// Estimated errors of indirect irradiance by cause, relative to its root mean square in the room.

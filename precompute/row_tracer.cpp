@@ -32,7 +32,12 @@ RowTracer::RowTracer(const RowScene& scene)
       counts_(sender_count(scene), 0),
       touched_(counts_.size()),
       emitter_sums_(scene.emitters.list.size(), 0.0),
-      area_sums_(scene.emitters.list.size(), 0.0) {}
+      area_sums_(scene.emitters.list.size(), 0.0) {
+  if (!scene.directional) return;
+  direction_sums_.assign(counts_.size(), glm::dvec3(0.0));
+  emitter_moments_.assign(emitter_sums_.size(), glm::dvec3(0.0));
+  area_moments_ = emitter_moments_;
+}
 
 TracedRow RowTracer::trace(const Receiver& receiver, const SobolPoints& points, const PointRange& range) {
   const std::uint64_t key = mix(receiver.key(), scene_.seed);
@@ -83,6 +88,7 @@ void RowTracer::count_hit(const RayPacket& packet, int lane, const glm::vec3& no
   }
   ++totals.arrived;
   ++counts_[sender];
+  if (scene_.directional) direction_sums_[sender] += glm::dvec3(direction);
   touched_.insert(sender);
 }
 
@@ -95,6 +101,7 @@ void RowTracer::add_emitter_hit(std::uint32_t emitter, const RayPacket& packet, 
   const double weight =
       ray_weight(counts, scene_.emitters.list[emitter].area, cos_receiver, cos_emitter, packet.far[lane]);
   emitter_sums_[emitter] += weight / ray_count;
+  if (scene_.directional) emitter_moments_[emitter] += weight / ray_count * glm::dvec3(direction);
 }
 
 void RowTracer::sample_emitters(const Receiver& receiver, const PointRange& range, std::uint32_t traced,
@@ -102,12 +109,14 @@ void RowTracer::sample_emitters(const Receiver& receiver, const PointRange& rang
   // Hits were booked as one of range.count each; fewer may have started, where walls cut into the receiver.
   const double started = traced > 0 ? double(range.count) / traced : 0.0;
   for (double& sum : emitter_sums_) sum *= started;
+  for (glm::dvec3& moment : emitter_moments_) moment *= started;
   if (!choice_.any()) return;
   const std::uint32_t start = std::min(range.first / kRaysPerAreaSample, kMaxAreaSamples - area_samples_);
   const Connections connections{
       receiver,      scene_.emitters,       choice_, range.count, start / kPacketSize * kPacketSize,
       area_samples_, scene_.geometry.offset};
   std::fill(area_sums_.begin(), area_sums_.end(), 0.0);
+  std::fill(area_moments_.begin(), area_moments_.end(), glm::dvec3(0.0));
   std::uint32_t owned = 0;
   for (std::uint32_t first = 0; first < area_samples_; first += kPacketSize) {
     ConnectionPacket packet;
@@ -115,6 +124,8 @@ void RowTracer::sample_emitters(const Receiver& receiver, const PointRange& rang
     owned += add_connections(receiver, first, packet);
   }
   for (std::size_t i = 0; i < area_sums_.size() && owned > 0; ++i) emitter_sums_[i] += area_sums_[i] / owned;
+  for (std::size_t i = 0; i < area_moments_.size() && owned > 0; ++i)
+    emitter_moments_[i] += area_moments_[i] / double(owned);
 }
 
 std::uint32_t RowTracer::add_connections(const Receiver& receiver, std::uint32_t first,
@@ -131,8 +142,11 @@ std::uint32_t RowTracer::add_connections(const Receiver& receiver, std::uint32_t
   }
   const std::uint32_t hidden = scene_.caster.occluded(packet.rays);
   for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
-    if (used[lane] && (hidden >> lane & 1u) == 0)
-      area_sums_[packet.emitter[lane]] += packet.form_factor[lane];
+    if (!used[lane] || (hidden >> lane & 1u) != 0) continue;
+    area_sums_[packet.emitter[lane]] += packet.form_factor[lane];
+    if (!scene_.directional) continue;
+    const glm::dvec3 way(direction_of(packet.rays, int(lane)));
+    area_moments_[packet.emitter[lane]] += packet.form_factor[lane] * glm::normalize(way);
   }
   return owned;
 }
@@ -158,10 +172,20 @@ FormFactorRow RowTracer::finish_row(const Totals& totals) {
     if (emitter != kNone) value += emitter_sums_[emitter] * scales.emitted;
     row.senders.push_back(sender);
     row.values.push_back(float(value));
+    if (scene_.directional) row.moments.push_back(finish_moment(sender, emitter, scales, totals.traced));
     counts_[sender] = 0;
   });
   std::fill(emitter_sums_.begin(), emitter_sums_.end(), 0.0);
+  std::fill(emitter_moments_.begin(), emitter_moments_.end(), glm::dvec3(0.0));
   return row;
+}
+
+glm::vec3 RowTracer::finish_moment(std::uint32_t sender, std::uint32_t emitter, const RowScales& scales,
+                                   std::uint32_t traced) {
+  glm::dvec3 moment = direction_sums_[sender] * (scales.counted / std::max(1u, traced));
+  direction_sums_[sender] = glm::dvec3(0.0);
+  if (emitter != kNone) moment += emitter_moments_[emitter] * scales.emitted;
+  return glm::vec3(moment);
 }
 
 }  // namespace relume

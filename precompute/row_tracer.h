@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <vector>
 
 #include "precompute/emitter_connections.h"
@@ -21,6 +22,8 @@ namespace relume {
 struct FormFactorRow {
   std::vector<std::uint32_t> senders;
   std::vector<float> values;
+  /// Per sender, in a directional scene: value x mean direction towards what is seen of it; else empty.
+  std::vector<glm::vec3> moments;
 };
 
 /// Points [first, first + count) of a sequence; both are multiples of the size of a packet.
@@ -49,6 +52,7 @@ struct RowScene {
   std::uint32_t sky_resolution = 0;
   std::vector<std::uint32_t> sky_senders;  ///< per cell of the sky: its number among the senders
   std::uint64_t seed = 0;
+  bool directional = false;  ///< rows have moments
 };
 
 /// Of RowScene: clusters and cells of the sky.
@@ -82,6 +86,9 @@ class RowTracer {
   /// How many samples of the packet belong to the receiver.
   std::uint32_t add_connections(const Receiver& receiver, std::uint32_t first, ConnectionPacket& packet);
   FormFactorRow finish_row(const Totals& totals);
+  /// Value x mean direction of a sender, whose emitter is `emitter`, or kNone.
+  glm::vec3 finish_moment(std::uint32_t sender, std::uint32_t emitter, const RowScales& scales,
+                          std::uint32_t traced);
 
   const RowScene& scene_;
   SobolPoints emitter_points_;
@@ -92,6 +99,10 @@ class RowTracer {
   EmitterChoice choice_;
   std::vector<double> emitter_sums_;  ///< per emitter: form factor
   std::vector<double> area_sums_;     ///< per emitter: what area samples add up to
+  // The same sums of directions, each times what it counts; empty unless the scene is directional.
+  std::vector<glm::dvec3> direction_sums_;   ///< per sender
+  std::vector<glm::dvec3> emitter_moments_;  ///< per emitter
+  std::vector<glm::dvec3> area_moments_;     ///< per emitter
   std::uint64_t rays_ = 0;
   std::uint64_t occlusion_rays_ = 0;
 };

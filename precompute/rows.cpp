@@ -109,6 +109,7 @@ void trace_cluster(const RowScene& scene, const TracedSystem& system, std::span<
   std::vector<TracedRow> traced =
       trace_neighbours(receivers_of(scene, system, members), points, limits, worker, rays);
   row = cluster_row(system.surface.surface, members, traced, worker.mean);
+  row.moments = {};  // only what is gathered has directions
   worker.cluster_entries += row.senders.size();
   for (std::size_t i = 0; i < members.size(); ++i) {
     rows.element_back_face_share[members[i]] = traced[i].back_face_share;

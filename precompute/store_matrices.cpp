@@ -10,6 +10,7 @@
 #include <span>
 #include <tuple>
 
+#include "core/packed_direction.h"
 #include "core/quantities.h"
 #include "precompute/coarsen_imports.h"
 
@@ -72,6 +73,8 @@ void visit_tiles(const RowGroup& group, const std::vector<std::uint32_t>& leaves
     std::transform(row->senders.begin(), row->senders.end(), tile.nodes.begin(),
                    [&](std::uint32_t sender) { return leaves[sender]; });
     tile.values[0].assign(row->values.begin(), row->values.end());
+    tile.moments.clear();
+    if (!row->moments.empty()) tile.moments.push_back(row->moments);
     visit(tile);
   }
 }
@@ -177,6 +180,7 @@ class ImportTable {
   CutTile coarsened(const CutTile& tile) const {
     CutTile result;
     result.values.resize(tile.values.size());
+    result.moments.resize(tile.moments.size());
     for (std::size_t i = 0; i < tile.nodes.size(); ++i) {
       const std::uint32_t node = stands_for_[tile.nodes[i]];
       const bool same = !result.nodes.empty() && result.nodes.back() == node;
@@ -184,6 +188,10 @@ class ImportTable {
       for (std::size_t r = 0; r < tile.values.size(); ++r) {
         if (!same) result.values[r].push_back(0.0f);
         result.values[r].back() += tile.values[r][i];
+      }
+      for (std::size_t r = 0; r < tile.moments.size(); ++r) {
+        if (!same) result.moments[r].emplace_back(0.0f);
+        result.moments[r].back() += tile.moments[r][i];
       }
     }
     return result;
@@ -223,15 +231,28 @@ class ImportTable {
   std::vector<std::uint32_t> stands_for_;  ///< per node, empty: each for itself
 };
 
+/// Mean directions of the form factors of a tile, row by row; none unless it has moments.
+std::vector<std::uint32_t> packed_directions(const CutTile& tile) {
+  std::vector<std::uint32_t> codes;
+  for (std::size_t r = 0; r < tile.moments.size(); ++r) {
+    for (std::size_t i = 0; i < tile.nodes.size(); ++i) {
+      const double value = tile.values[r][i];
+      codes.push_back(value > 0.0 ? pack_direction(glm::dvec3(tile.moments[r][i]) / value) : 0u);
+    }
+  }
+  return codes;
+}
+
 void append(const ImportTable& imports, const CutTile& given, bool shared, BlockMatrixBuilder& matrix) {
   const CutTile coarser = imports.is_coarsened() ? imports.coarsened(given) : CutTile{};
   const CutTile& tile = imports.is_coarsened() ? coarser : given;
   std::vector<double> values;
   for (const auto& row : tile.values) values.insert(values.end(), row.begin(), row.end());
+  const std::vector<std::uint32_t> directions = packed_directions(tile);
   if (shared) {
-    matrix.append_tile(imports.columns(tile), values, std::uint32_t(tile.values.size()));
+    matrix.append_tile(imports.columns(tile), values, std::uint32_t(tile.values.size()), directions);
   } else {
-    matrix.append_row(imports.columns(tile), values);
+    matrix.append_row(imports.columns(tile), values, directions);
   }
 }
 

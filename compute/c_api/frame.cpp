@@ -217,6 +217,10 @@ relume_buffer_range relume_irradiance(const relume_solver* solver, uint32_t syst
   return to_c(solver->solver.irradiance(system));
 }
 
+relume_buffer_range relume_directional_irradiance(const relume_solver* solver, uint32_t system) {
+  return to_c(solver->solver.directional_irradiance(system));
+}
+
 relume_buffer_range relume_probe_coefficients(const relume_solver* solver) {
   return to_c(solver->solver.probe_coefficients());
 }

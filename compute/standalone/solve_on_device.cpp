@@ -216,6 +216,9 @@ Result<void> gather(SolverSession& session, DeviceSolution& out) {
   auto irradiance = session.read_irradiance();
   if (!irradiance) return failed(irradiance.error());
   out.irradiance = std::move(*irradiance);
+  auto moments = session.read_directional_irradiance();
+  if (!moments) return failed(moments.error());
+  out.moments = std::move(*moments);
   auto probes = session.read_probes();
   if (!probes) return failed(probes.error());
   out.probes = std::move(*probes);

@@ -8,6 +8,7 @@
 
 #include "compute/gpu_solver.h"
 #include "compute/standalone/standalone_device.h"
+#include "core/directional_irradiance.h"
 #include "core/model.h"
 #include "core/probe_coefficients.h"
 #include "core/reference_solver.h"
@@ -51,8 +52,9 @@ struct DeviceSolution {
   double rounding_bound = 0.0;
   /// The tolerance was not reached because rounding keeps the residual from falling further.
   bool limited_by_rounding = false;
-  std::vector<Rgb> irradiance;            ///< lm/m2 per gather row of all systems
-  std::vector<ProbeCoefficients> probes;  ///< as probe_coefficients() gives them
+  std::vector<Rgb> irradiance;             ///< lm/m2 per gather row of all systems
+  std::vector<IrradianceMoments> moments;  ///< as directional_irradiance() gives them
+  std::vector<ProbeCoefficients> probes;   ///< as probe_coefficients() gives them
   std::string device;
   std::string kernel;
   std::uint64_t device_bytes = 0;

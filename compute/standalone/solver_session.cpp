@@ -210,6 +210,24 @@ Result<std::vector<Rgb>> SolverSession::read_irradiance() {
   return values;
 }
 
+Result<std::vector<IrradianceMoments>> SolverSession::read_directional_irradiance() {
+  std::vector<Rgb> values;
+  bool any = false;
+  for (std::uint32_t system = 0; system < schedule_.systems.size(); ++system) {
+    if (!solver_.loaded(system)) continue;
+    const BufferRange moments = solver_.directional_irradiance(system);
+    any = any || moments.byte_size > 0;
+    const std::size_t rows = solver_.irradiance(system).byte_size / kRgbBytes;
+    if (moments.byte_size == 0) values.resize(values.size() + 3 * rows, Rgb(0.0));
+    auto read = append_rgb(moments, values);
+    if (!read) return tl::unexpected<Error>(read.error());
+  }
+  std::vector<IrradianceMoments> all(any ? values.size() / 3 : 0);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    std::copy_n(values.begin() + std::ptrdiff_t(3 * i), 3, all[i].begin());
+  return all;
+}
+
 Result<std::vector<ProbeCoefficients>> SolverSession::read_probes() {
   std::vector<Rgb> values;
   auto read = append_rgb(solver_.probe_coefficients(), values);

@@ -10,6 +10,7 @@
 #include "compute/gpu_solver.h"
 #include "compute/standalone/standalone_device.h"
 #include "compute/standalone/standalone_memory.h"
+#include "core/directional_irradiance.h"
 #include "core/model.h"
 #include "core/probe_coefficients.h"
 #include "core/result.h"
@@ -55,6 +56,10 @@ class SolverSession {
 
   /// Irradiance of the gather rows of all systems.
   Result<std::vector<Rgb>> read_irradiance();
+
+  /// Moments of the irradiance of the gather rows of all systems, 0 of systems without directions; none where
+  /// no system has directions.
+  Result<std::vector<IrradianceMoments>> read_directional_irradiance();
 
   /// Of the light probes of all systems, by their names; 0 of those that are not loaded.
   Result<std::vector<ProbeCoefficients>> read_probes();

@@ -12,6 +12,13 @@
 // The lightmap holds irradiance in lux, linear Rec.709: indirect light alone, or with direct light, as the pass was told. A
 // renderer that lights its surfaces itself asks for indirect light alone and adds its own. Charts are dilated by four texels:
 // linear filtering and one mip level stay inside them. The sampler is linear and clamps to the edge.
+//
+// Normal maps: where the file was precomputed with --directional, a second image has the dominant direction d of the
+// indirect irradiance in world space (`relume solve` writes SYSTEM.directional.exr; in a frame it follows from
+// GpuSolver::directional_irradiance, relume_dominant_direction below). Then
+//
+//   vec3 d = texture(directions, at).xyz;
+//   vec3 irradiance = relume_sample_irradiance(lightmap, at) * relume_bent_irradiance_factor(d, normal, shading_normal);
 #ifndef RELUME_SAMPLE_LIGHTMAP_GLSL
 #define RELUME_SAMPLE_LIGHTMAP_GLSL
 
@@ -33,6 +40,26 @@ vec3 relume_sample_irradiance(sampler2D lightmap, vec2 at) {
 /// lux, of a mip level: in shaders without derivatives.
 vec3 relume_sample_irradiance_level(sampler2D lightmap, vec2 at, float level) {
   return textureLod(lightmap, at, level).rgb;
+}
+
+/// d from the moments of the irradiance along x, y and z (GpuSolver::directional_irradiance) and the irradiance itself:
+/// points to where most light comes from, in world space; its length, at most 1, tells how much of it. For an image with
+/// signed channels, RGBA16F or RGB10A2 with d / 2 + 1 / 2.
+vec3 relume_dominant_direction(vec3 along_x, vec3 along_y, vec3 along_z, vec3 irradiance) {
+  const vec3 luminance = vec3(0.2126, 0.7152, 0.0722);
+  float whole = dot(irradiance, luminance);
+  if (!(whole > 0.0)) return vec3(0.0);
+  vec3 d = vec3(dot(along_x, luminance), dot(along_y, luminance), dot(along_z, luminance)) / whole;
+  return d / max(1.0, length(d));
+}
+
+/// By how much irradiance changes when the normal of a surface, `normal`, becomes `bent` (both unit, world space): 1 for
+/// the normal itself, never negative, at most 4. As bent_irradiance_factor of core/directional_irradiance.h, where it is
+/// derived: exact where a hemisphere is evenly bright, (1 + cos) / 2, and where light comes from one direction.
+float relume_bent_irradiance_factor(vec3 d, vec3 normal, vec3 bent) {
+  float even = 2.0 * (1.0 - length(d));
+  float here = max(1e-6, even + dot(d, normal));
+  return min(max(0.0, even + dot(d, bent)) / here, 4.0);
 }
 
 /// cd/m2 that a diffuse surface reflects, the same in all directions: albedo x irradiance / pi.

@@ -32,7 +32,8 @@ const uint kSystemSet = 1u;
 // 0.
 const uint kImportsBinding = 0u;
 const uint kLocalRadiosityBinding = 1u;  // vec4 per import: b of the sender
-const uint kIrradianceBinding = 2u;      // vec4 per gather row: I, lm/m2
+const uint kIrradianceBinding = 2u;      // vec4 per gather row: I, lm/m2; where the gather matrix has directions,
+                                         // then three vec4 per row: D along x, y, z
 const uint kAlbedoBinding = 3u;          // vec4 per cluster
 const uint kExitanceBinding = 4u;        // vec4 per cluster, lm/m2
 const uint kDirectBinding = 5u;          // vec4 per cluster: H, lm/m2
@@ -49,7 +50,8 @@ const uint kBlockSet = 2u;
 const uint kTileOffsetsBinding = 0u;  // uint per tile, and one at the end
 const uint kColumnsBinding = 1u;      // two 16-bit columns in a uint, the first in the low half
 const uint kValuesBinding = 2u;  // f32: a float's bits in a uint; unorm16, sqrt8: two, four codes, as columns
-const uint kRowScalesBinding = 3u;  // float per row
+const uint kRowScalesBinding = 3u;  // float per row; of blocks with directions, then a uint per value
+                                    // (core/packed_direction.h)
 const uint kBlockBindings = 4u;
 const uint kColumnTexelsBinding = 4u;  // r32ui
 const uint kValueTexelsBinding = 5u;   // r32ui

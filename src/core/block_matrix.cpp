@@ -123,9 +123,8 @@ EncodedTile encode_tile(std::size_t row_count, std::size_t column_count, std::sp
   return tile;
 }
 
-std::size_t tile_bytes(const EncodedTile& tile, std::uint32_t tile_rows, ValueCodec codec) {
-  return sizeof(std::uint32_t) +
-         tile.entries.size() * (sizeof(std::uint16_t) + tile_rows * value_bytes(codec)) +
+std::size_t tile_bytes(const EncodedTile& tile, std::uint32_t tile_rows, std::size_t bytes_of_value) {
+  return sizeof(std::uint32_t) + tile.entries.size() * (sizeof(std::uint16_t) + tile_rows * bytes_of_value) +
          tile.rows.size() * sizeof(float);
 }
 
@@ -149,6 +148,22 @@ void append_values(const EncodedTile& tile, MatrixBlock& block) {
   if (block.codec == ValueCodec::f32) write_codes<std::uint32_t>(tile, block.tile_rows, out);
   if (block.codec == ValueCodec::unorm16) write_codes<std::uint16_t>(tile, block.tile_rows, out);
   if (block.codec == ValueCodec::sqrt8) write_codes<std::uint8_t>(tile, block.tile_rows, out);
+}
+
+/// Appends to the directions of a block, given per row and column; 0 where there is no value.
+void append_directions(const EncodedTile& tile, std::span<const std::uint32_t> directions,
+                       MatrixBlock& block) {
+  if (directions.empty()) return;
+  const std::size_t columns = directions.size() / tile.rows.size();
+  std::size_t out = block.directions.size();
+  block.directions.resize(out + tile.entries.size() * block.tile_rows);
+  for (const std::size_t entry : tile.entries) {
+    for (std::size_t lane = 0; lane < tile.rows.size(); ++lane) {
+      if (tile.rows[lane].codes[entry] != 0)
+        block.directions[out + lane] = directions[lane * columns + entry];
+    }
+    out += block.tile_rows;
+  }
 }
 
 /// Calls visit(column, value) for the values of a row of a block that are not zero.
@@ -175,7 +190,8 @@ std::size_t value_bytes(ValueCodec codec) {
 
 std::size_t block_bytes(const MatrixBlock& block) {
   return block.tile_offsets.size() * sizeof(std::uint32_t) + block.columns.size() * sizeof(std::uint16_t) +
-         block.values.size() + block.row_scales.size() * sizeof(float);
+         block.values.size() + block.row_scales.size() * sizeof(float) +
+         block.directions.size() * sizeof(std::uint32_t);
 }
 
 BlockMatrixBuilder::BlockMatrixBuilder(std::uint32_t columns, ValueCodec codec, std::size_t max_block_bytes)
@@ -183,20 +199,24 @@ BlockMatrixBuilder::BlockMatrixBuilder(std::uint32_t columns, ValueCodec codec, 
   matrix_.columns = columns;
 }
 
-void BlockMatrixBuilder::append_row(std::span<const std::uint16_t> columns, std::span<const double> values) {
-  append(columns, values, 1, 1);
+void BlockMatrixBuilder::append_row(std::span<const std::uint16_t> columns, std::span<const double> values,
+                                    std::span<const std::uint32_t> directions) {
+  append(columns, values, directions, 1, 1);
 }
 
 void BlockMatrixBuilder::append_tile(std::span<const std::uint16_t> columns, std::span<const double> values,
-                                     std::uint32_t row_count) {
-  append(columns, values, row_count, 8);
+                                     std::uint32_t row_count, std::span<const std::uint32_t> directions) {
+  append(columns, values, directions, row_count, 8);
 }
 
 void BlockMatrixBuilder::append(std::span<const std::uint16_t> columns, std::span<const double> values,
-                                std::uint32_t row_count, std::uint32_t tile_rows) {
+                                std::span<const std::uint32_t> directions, std::uint32_t row_count,
+                                std::uint32_t tile_rows) {
+  assert(directions.empty() || directions.size() == values.size());
   assert(columns.size() * row_count == values.size() && row_count >= 1 && row_count <= tile_rows);
   const EncodedTile tile = encode_tile(row_count, columns.size(), values, codec_);
-  if (!fits(tile_rows, tile_bytes(tile, tile_rows, codec_))) {
+  const std::size_t bytes_of_direction = directions.empty() ? 0 : sizeof(std::uint32_t);
+  if (!fits(tile_rows, tile_bytes(tile, tile_rows, value_bytes(codec_) + bytes_of_direction))) {
     MatrixBlock& fresh = matrix_.blocks.emplace_back();
     fresh.first_row = matrix_.rows;
     fresh.tile_rows = tile_rows;
@@ -206,6 +226,7 @@ void BlockMatrixBuilder::append(std::span<const std::uint16_t> columns, std::spa
   MatrixBlock& block = matrix_.blocks.back();
   for (const std::size_t entry : tile.entries) block.columns.push_back(columns[entry]);
   append_values(tile, block);
+  append_directions(tile, directions, block);
   block.tile_offsets.push_back(static_cast<std::uint32_t>(block.columns.size()));
   for (const EncodedRow& row : tile.rows) block.row_scales.push_back(row.scale);
   block.row_count += row_count;

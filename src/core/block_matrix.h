@@ -47,6 +47,9 @@ struct MatrixBlock {
   std::vector<std::uint16_t> columns;       ///< ascending inside a tile
   std::vector<std::byte> values;            ///< value of (column entry c, lane l) at index c * R + l
   std::vector<float> row_scales;            ///< row_count entries
+  /// Empty, or for each value, at the same index, the mean direction in world space from the receiver to what
+  /// it sees of the sender (core/packed_direction.h); 0 where the value is 0.
+  std::vector<std::uint32_t> directions;
 };
 
 struct BlockMatrix {
@@ -72,7 +75,7 @@ struct MatrixSummary {
   double max_row_sum = 0.0;  ///< of decoded values, in double
 };
 
-/// Bytes of the four arrays of a block.
+/// Bytes of the arrays of a block.
 std::size_t block_bytes(const MatrixBlock& block);
 
 /// Appends rows and tiles one by one and cuts blocks at `max_block_bytes`, where R changes, and after a tile
@@ -83,19 +86,21 @@ class BlockMatrixBuilder {
   BlockMatrixBuilder(std::uint32_t columns, ValueCodec codec, std::size_t max_block_bytes = kMaxBlockBytes);
 
   /// `columns` ascending and below the matrix's column count, `values` finite, >= 0 and summing to <= 1 up to
-  /// rounding, of equal length. Zero values are not stored. A tile of R = 1.
-  void append_row(std::span<const std::uint16_t> columns, std::span<const double> values);
+  /// rounding, of equal length. Zero values are not stored. A tile of R = 1. `directions`: codes of
+  /// core/packed_direction.h per value, for all rows of the matrix or none.
+  void append_row(std::span<const std::uint16_t> columns, std::span<const double> values,
+                  std::span<const std::uint32_t> directions = {});
 
   /// A tile of R = 8 of 1 to 8 rows that share `columns`: value of row r and column entry c at [r *
   /// columns.size() + c], of each row as above. Columns that are zero for all rows are not stored.
   void append_tile(std::span<const std::uint16_t> columns, std::span<const double> values,
-                   std::uint32_t row_count);
+                   std::uint32_t row_count, std::span<const std::uint32_t> directions = {});
 
   BlockMatrix finish() &&;
 
  private:
-  void append(std::span<const std::uint16_t> columns, std::span<const double> values, std::uint32_t row_count,
-              std::uint32_t tile_rows);
+  void append(std::span<const std::uint16_t> columns, std::span<const double> values,
+              std::span<const std::uint32_t> directions, std::uint32_t row_count, std::uint32_t tile_rows);
   /// Whether a tile of so many bytes may follow in the last block.
   bool fits(std::uint32_t tile_rows, std::size_t bytes) const;
 
@@ -112,7 +117,8 @@ MatrixSummary summarise(const BlockMatrix& matrix);
 
 /// Every promise of the format: blocks in order, offsets monotone and in range, columns ascending and below
 /// `columns`, values and scales finite and
-/// >= 0, row sums <= 1, block sizes. The error names the block and row; `what` names the matrix.
+/// >= 0, row sums <= 1, block sizes, directions no longer than 1 for all values or none. The error names the
+/// block and row; `what` names the matrix.
 Result<void> check_block_matrix(const BlockMatrix& matrix, const std::string& what);
 
 }  // namespace relume

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/block_matrix.h"
+#include "core/packed_direction.h"
 #include "core/value_codec.h"
 
 namespace relume {
@@ -42,6 +44,11 @@ Result<void> check_sizes(const MatrixBlock& block, const Place& place) {
   if (block.values.size() != expected_values) {
     return broken(place,
                   fmt::format("expected {} bytes of values, found {}", expected_values, block.values.size()));
+  }
+  const std::size_t expected_directions = block.columns.size() * block.tile_rows;
+  if (!block.directions.empty() && block.directions.size() != expected_directions) {
+    return broken(place, fmt::format("expected a direction for each of {} values, found {}",
+                                     expected_directions, block.directions.size()));
   }
   if (block_bytes(block) > kMaxBlockBytes) {
     return broken(place,
@@ -126,11 +133,20 @@ Result<void> check_values(const MatrixBlock& block, const Place& place) {
   return {};
 }
 
+Result<void> check_directions(const MatrixBlock& block, const Place& place) {
+  const auto bad = std::find_if_not(block.directions.begin(), block.directions.end(), is_packed_direction);
+  if (bad == block.directions.end()) return {};
+  return broken(
+      place, fmt::format("direction {}: expected three components of a vector no longer than 1, found {:#x}",
+                         bad - block.directions.begin(), *bad));
+}
+
 Result<void> check_block(const MatrixBlock& block, std::uint32_t columns, const Place& place) {
   if (block.row_count == 0) return broken(place, "expected at least one row, found none");
   if (auto checked = check_sizes(block, place); !checked) return checked;
   if (auto checked = check_tile_offsets(block, place); !checked) return checked;
   if (auto checked = check_columns(block, columns, place); !checked) return checked;
+  if (auto checked = check_directions(block, place); !checked) return checked;
   return check_values(block, place);
 }
 
@@ -142,6 +158,7 @@ Result<void> check_block_matrix(const BlockMatrix& matrix, const std::string& wh
                 fmt::format("{}: expected at most {} columns, found {}", what, kMaxImports, matrix.columns));
   }
   std::uint64_t rows = 0;
+  std::size_t with_directions = 0, without_directions = 0;  // blocks
   for (std::size_t index = 0; index < matrix.blocks.size(); ++index) {
     const MatrixBlock& block = matrix.blocks[index];
     const Place place{what, index};
@@ -149,11 +166,17 @@ Result<void> check_block_matrix(const BlockMatrix& matrix, const std::string& wh
       return broken(place, fmt::format("expected first row {}, found {}", rows, block.first_row));
     }
     if (auto checked = check_block(block, matrix.columns, place); !checked) return checked;
+    if (!block.columns.empty()) ++(block.directions.empty() ? without_directions : with_directions);
     rows += block.row_count;
   }
   if (rows != matrix.rows) {
     return fail(ErrorCode::check_failed,
                 fmt::format("{}: expected {} rows in its blocks, found {}", what, matrix.rows, rows));
+  }
+  if (with_directions > 0 && without_directions > 0) {
+    return fail(ErrorCode::check_failed,
+                fmt::format("{}: expected directions in all blocks or none, found {} with, {} without", what,
+                            with_directions, without_directions));
   }
   return {};
 }

@@ -327,6 +327,11 @@ Result<void> check_system(const Model& model, std::size_t index) {
   if (auto checked = check_probes(model, index); !checked) return checked;
   if (auto checked = check_matrix(at, at.system.bounce, "bounce", at.system.clusters.size()); !checked)
     return checked;
+  for (const MatrixBlock& block : at.system.bounce.blocks) {
+    if (!block.directions.empty())
+      return broken_model("system {}, bounce matrix: expected no directions, found {}", at.index,
+                          block.directions.size());
+  }
   return check_matrix(at, at.system.gather, "gather", at.system.lumels.size() + at.system.sensors.size());
 }
 

@@ -195,6 +195,15 @@ Result<void> read_block(const Section& section, BlockMatrix& matrix) {
   return {};
 }
 
+/// Of the first block of the gather matrix that has values, but no directions yet.
+Result<void> read_directions(const Section& section, BlockMatrix& gather) {
+  for (MatrixBlock& block : gather.blocks) {
+    if (!block.columns.empty() && block.directions.empty()) return read_array(section, block.directions);
+  }
+  return malformed(section.record,
+                   "expected a block of the gather matrix before, found none without directions");
+}
+
 std::string_view id_of(const Section& section) {
   return {section.record.id.data(), section.record.id.size()};
 }
@@ -260,6 +269,7 @@ std::optional<Result<void>> read_system_section(const Section& section, System& 
   if (id == kImports) return read_array(section, system.imports);
   if (id == kBounceBlock) return read_block(section, system.bounce);
   if (id == kGatherBlock) return read_block(section, system.gather);
+  if (id == kGatherDirections) return read_directions(section, system.gather);
   return std::nullopt;
 }
 
@@ -276,7 +286,7 @@ Result<void> read_section(const Section& section, Model& model) {
   return malformed(record, "expected a section that this version of Relume knows, or one marked as optional");
 }
 
-/// Sections are in one order: by owner, and each but the blocks of a matrix once. INFO comes first, SYST
+/// Sections are in one order: by owner, and each but those of blocks of a matrix once. INFO comes first, SYST
 /// first in its system.
 Result<void> check_order(const std::vector<Section>& sections) {
   if (sections.empty() || id_of(sections.front()) != kInfo || sections.front().record.owner != kNone) {
@@ -293,7 +303,7 @@ Result<void> check_order(const std::vector<Section>& sections) {
                        "expected sections of the model first, then those of each system in order, each "
                        "beginning with SYST");
     }
-    if (id == kBounceBlock || id == kGatherBlock) continue;
+    if (id == kBounceBlock || id == kGatherBlock || id == kGatherDirections) continue;
     for (std::size_t before = index; before-- > 0 && sections[before].record.owner == record.owner;) {
       if (id_of(sections[before]) == id) return malformed(record, "expected it once");
     }

@@ -159,6 +159,8 @@ void add_system(const System& system, std::uint32_t index, SectionWriter& file) 
   file.add_array(kImports, index, system.imports);
   add_matrix(system.bounce, kBounceBlock, index, file);
   add_matrix(system.gather, kGatherBlock, index, file);
+  for (const MatrixBlock& block : system.gather.blocks)
+    file.add(kGatherDirections, index, std::as_bytes(std::span(block.directions)), kSectionOptional);
 }
 
 /// About what a model's file takes: matrices, and the most of the rest.

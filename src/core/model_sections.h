@@ -53,6 +53,7 @@ inline constexpr std::string_view kTreeShares = "TREW";
 inline constexpr std::string_view kImports = "IMPT";
 inline constexpr std::string_view kBounceBlock = "KBLK";
 inline constexpr std::string_view kGatherBlock = "GBLK";
+inline constexpr std::string_view kGatherDirections = "GDIR";
 
 /// Bits of `flags` in INFO and in the records of MATL.
 inline constexpr std::uint32_t kInfoLitByRig = 1u << 0;

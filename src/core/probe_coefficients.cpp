@@ -5,28 +5,10 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "core/import_radiosity.h"
 #include "core/quantities.h"
-#include "core/sender_leaves.h"
 
 namespace relume {
-namespace {
-
-/// Radiosity of what the columns of a system mean; `leaves`: of the clusters of all systems, then the sky.
-std::vector<Rgb> import_radiosity(const System& system, const LeafNumbers& numbers,
-                                  const std::vector<Rgb>& leaves) {
-  std::vector<Rgb> radiosity;
-  for (const SenderRef& import : system.imports) {
-    Rgb mean(0.0);
-    for (const LeafRange& range : numbers.leaves_of(import).ranges) {
-      for (std::uint32_t i = 0; i < range.count; ++i) mean += range.share_of(i) * leaves[range.first + i];
-    }
-    radiosity.push_back(mean);
-  }
-  return radiosity;
-}
-
-}  // namespace
-
 Harmonics mean_harmonics(const glm::dvec3& d) {
   const double y0 = 0.5 / std::sqrt(kPi), y1 = std::sqrt(3.0 / (4.0 * kPi));
   const double squared = glm::dot(d, d), y2 = std::sqrt(15.0 / (4.0 * kPi)) * std::sqrt(squared);
@@ -44,8 +26,7 @@ Harmonics mean_harmonics(const glm::dvec3& d) {
 std::vector<ProbeCoefficients> probe_coefficients(const Model& model, const Lighting& lighting,
                                                   const std::vector<Rgb>& radiosity) {
   const LeafNumbers numbers(model);
-  std::vector<Rgb> leaves = radiosity;
-  leaves.insert(leaves.end(), lighting.sky_radiosity.begin(), lighting.sky_radiosity.end());
+  const std::vector<Rgb> leaves = leaf_radiosity(lighting, radiosity);
   std::vector<ProbeCoefficients> all(model.probe_names.size(), ProbeCoefficients{});
   for (const System& system : model.systems) {
     if (system.probes.empty()) continue;

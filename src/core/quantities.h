@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The quantities of Relume, their units, and every factor of pi. No other file multiplies or divides by pi to turn
-// one quantity into another.
+// The quantities of Relume, their units, and every factor of pi. No other file multiplies or divides by pi to
+// turn one quantity into another.
 //
 //   radiosity   B  lm/m2   leaves a diffuse surface, emitted + reflected
 //   exitance    M  lm/m2   the emitted part of B
@@ -28,9 +28,18 @@ using Rgb = glm::dvec3;
 inline constexpr double kPi = std::numbers::pi;
 
 /// Exitance (lm/m2) of a diffuse emitter of radiance L (cd/m2). Also the radiosity that a sky patch sends.
-inline Rgb exitance_from_radiance(const Rgb& radiance) { return kPi * radiance; }
+inline Rgb exitance_from_radiance(const Rgb& radiance) {
+  return kPi * radiance;
+}
 
 /// Radiance (cd/m2) of a diffuse surface of radiosity B (lm/m2).
-inline Rgb radiance_from_radiosity(const Rgb& radiosity) { return radiosity / kPi; }
+inline Rgb radiance_from_radiosity(const Rgb& radiosity) {
+  return radiosity / kPi;
+}
+
+/// Luminance of linear Rec.709, or the like of any other quantity: what the eye makes of its channels.
+inline double luminance(const Rgb& linear) {
+  return 0.2126 * linear.r + 0.7152 * linear.g + 0.0722 * linear.b;
+}
 
 }  // namespace relume

@@ -40,6 +40,11 @@ std::vector<Comparison> compare_outputs(const Model& model, const SolveOutcome& 
     outputs.push_back(compare(sensors ? "irradiance of sensors" : "irradiance of lumels", values,
                               pick(model, reference.gathered, sensors)));
   }
+  if (!reference.moments.empty()) {
+    const FlatMoments expected = flat_moments(reference.moments, reference.gathered);
+    outputs.push_back(compare("directions of irradiance", flat_moments(gpu.moments, gpu.gathered).values,
+                              expected.values, expected.magnitudes));
+  }
   if (!reference.probes.empty()) {
     const FlatCoefficients expected = flat_coefficients(reference.probes);
     outputs.push_back(compare("coefficients of probes", flat_coefficients(gpu.probes).values, expected.values,

@@ -35,7 +35,7 @@ std::array<std::vector<float>, 3> planes_bgr(const ColorImage& image) {
   for (int c = 0; c < 3; ++c) {
     planes[c].reserve(image.pixels.size());
     for (const glm::vec3& pixel : image.pixels)
-      planes[c].push_back(std::clamp(pixel[2 - c], 0.0f, kLargestHalf));
+      planes[c].push_back(std::clamp(pixel[2 - c], -kLargestHalf, kLargestHalf));
   }
   return planes;
 }

@@ -44,7 +44,7 @@ ByteImage srgb_image(const ColorImage& linear);
 
 Result<std::vector<std::byte>> encode_png(const ByteImage& image);
 
-/// The largest half-precision number: brighter pixels of an EXR are clamped to it.
+/// The largest half-precision number: values of an EXR are clamped to it, and to its negative.
 inline constexpr float kLargestHalf = 65504.0f;
 
 /// Half precision, channels B, G, R, ZIP-compressed.

@@ -55,6 +55,23 @@ Result<void> add_lightmaps(const Model& model, std::span<const Rgb> direct, std:
   return {};
 }
 
+/// Dominant directions of the indirect irradiance, of models that have them.
+Result<void> add_directional(const Model& model, std::span<const Rgb> indirect,
+                             const std::vector<IrradianceMoments>& moments, OutputFolder& folder) {
+  if (moments.empty()) return {};
+  std::vector<Rgb> directions;
+  for (std::size_t row = 0; row < moments.size(); ++row)
+    directions.push_back(dominant_direction(moments[row], indirect[row]));
+  const std::vector<std::string> names = system_file_names(model);
+  for (std::size_t s = 0; s < model.systems.size(); ++s) {
+    if (model.systems[s].lightmap_width == 0) continue;
+    const ColorImage image = lightmap_image(model.systems[s], lumels_of(model, s, directions));
+    const auto added = folder.add("lightmaps/" + names[s] + ".directional.exr", encode_exr(image));
+    if (!added) return added;
+  }
+  return {};
+}
+
 /// Least, most and width of the indirect irradiance.
 Result<void> add_bounds(const Model& model, std::span<const Rgb> indirect, const Bracket& bracket,
                         OutputFolder& folder, Console& console) {
@@ -126,6 +143,7 @@ Result<void> make_solve_outputs(const Model& model, const LightingSetup& setup, 
   const std::vector<Rgb>& indirect = outcome.gathered;
   const std::vector<Rgb>& direct = setup.gather_direct;
   if (const auto added = add_lightmaps(model, direct, indirect, ktx2, folder, console); !added) return added;
+  if (const auto added = add_directional(model, indirect, outcome.moments, folder); !added) return added;
   if (bracket) {
     const auto added = add_bounds(model, indirect, bracket->irradiance, folder, console);
     if (!added) return added;

@@ -63,6 +63,7 @@ Result<SolveOutcome> solve_by_reference(const Model& model, const Lighting& ligh
   if (!solution->fallback.empty()) console.warn(solution->fallback + ".");
   const double bounces = watch.lap();
   outcome.gathered = gather(matrices.gather, lighting, solution->radiosity);
+  outcome.moments = directional_irradiance(model, lighting, solution->radiosity);
   outcome.probes = probe_coefficients(model, lighting, solution->radiosity);
   outcome.solution = std::move(*solution);
   outcome.device = "reference";
@@ -108,6 +109,7 @@ Result<SolveOutcome> solve_by_vulkan(const Model& model, const Lighting& lightin
   outcome.solution = std::move(solved->solution);
   outcome.rounding_bound = solved->rounding_bound;
   outcome.gathered = std::move(solved->irradiance);
+  outcome.moments = std::move(solved->moments);
   outcome.probes = std::move(solved->probes);
   outcome.device = std::move(solved->device);
   outcome.kernel = std::move(solved->kernel);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/directional_irradiance.h"
 #include "core/methods/methods.h"
 #include "core/model.h"
 #include "core/probe_coefficients.h"
@@ -24,7 +25,8 @@ struct SolverChoice {
 
 struct SolveOutcome {
   Solution solution;
-  std::vector<Rgb> gathered;  ///< irradiance through form factors per gather row, lux
+  std::vector<Rgb> gathered;               ///< irradiance through form factors per gather row, lux
+  std::vector<IrradianceMoments> moments;  ///< of `gathered`, where the model is directional
   std::vector<ProbeCoefficients> probes;
   std::string device;  ///< "reference" or the name of the Vulkan device
   std::string kernel;  ///< empty for the reference

@@ -21,10 +21,6 @@ double quantile(std::vector<double> values, double share) {
 
 }  // namespace
 
-double luminance(const Rgb& linear) {
-  return glm::dot(linear, Rgb(0.2126, 0.7152, 0.0722));
-}
-
 ToneCurve fit_tone_curve(std::span<const Rgb> radiance) {
   std::vector<double> lit;
   double sum = 0.0;

@@ -17,9 +17,6 @@ struct ToneCurve {
   double white = 4.0;     ///< exposed luminance that becomes white
 };
 
-/// Luminance of linear Rec.709.
-double luminance(const Rgb& linear);
-
 /// Exposure for what the samples show; black ones (below 1e-6 of the mean) do not count. Black all over gives
 /// exposure 1.
 ToneCurve fit_tone_curve(std::span<const Rgb> radiance);

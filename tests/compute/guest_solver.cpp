@@ -168,6 +168,17 @@ std::vector<Rgb> Guest::irradiance() const {
   return all;
 }
 
+std::vector<IrradianceMoments> Guest::moments() const {
+  std::vector<IrradianceMoments> all;
+  for (std::uint32_t s = 0; s < schedule_.systems.size(); ++s) {
+    if (!solver_->loaded(s) || solver_->directional_irradiance(s).byte_size == 0) continue;
+    const std::vector<Rgb> values = memory_->read_rgb(solver_->directional_irradiance(s));
+    for (std::size_t i = 0; i < values.size(); i += 3)
+      all.push_back({values[i], values[i + 1], values[i + 2]});
+  }
+  return all;
+}
+
 std::vector<ProbeCoefficients> Guest::probes() const {
   std::vector<ProbeCoefficients> all;
   if (model_.probe_names.empty()) return all;
@@ -182,6 +193,7 @@ DeviceSolution Guest::results(std::uint32_t bounces) const {
   out.solution.bounces = bounces;
   out.solution.radiosity = radiosity();
   out.irradiance = irradiance();
+  out.moments = moments();
   out.probes = probes();
   return out;
 }

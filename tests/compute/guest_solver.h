@@ -46,6 +46,7 @@ class Guest {
   std::vector<Rgb> radiosity(bool latest = true) const;
   std::vector<Rgb> radiosity(std::uint32_t system) const;
   std::vector<Rgb> irradiance() const;
+  std::vector<IrradianceMoments> moments() const;
   std::vector<ProbeCoefficients> probes() const;
   std::vector<Rgb> irradiance(std::uint32_t system) const;
 

@@ -68,7 +68,8 @@ TEST_F(GuestTest, StaysInsideTheMemoryOfItsHost) {
 
 TEST_F(GuestTest, NodesOfTreesAndAboveTheSystemsAreMeans) {
   for (const std::uint32_t spanning : {0u, 9u}) {
-    const Model model = random_model({.nodes = 30, .spanning_nodes = spanning, .probes = 9}, 8);
+    const Model model =
+        random_model({.nodes = 30, .spanning_nodes = spanning, .probes = 9, .directional = true}, 8);
     const Lighting lighting = random_lighting(model, 9);
     Guest guest(device(), device().host(), model, lighting);
     guest.together(three_bounces());

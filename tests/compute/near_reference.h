@@ -8,6 +8,7 @@
 
 #include "compute/standalone/solve_on_device.h"
 #include "core/compare.h"
+#include "core/directional_irradiance.h"
 #include "core/probe_coefficients.h"
 #include "core/reference_solver.h"
 
@@ -42,6 +43,14 @@ inline testing::AssertionResult agrees_with_reference(const DeviceSolution& devi
   }
   if (auto result = near_reference("irradiance", device.irradiance,
                                    gather(matrices.gather, lighting, reference->radiosity));
+      !result) {
+    return result;
+  }
+  const FlatMoments moments = flat_moments(directional_irradiance(model, lighting, reference->radiosity),
+                                           gather(matrices.gather, lighting, reference->radiosity));
+  if (auto result =
+          near_reference("moments of irradiance", flat_moments(device.moments, device.irradiance).values,
+                         moments.values, moments.magnitudes);
       !result) {
     return result;
   }

@@ -6,6 +6,7 @@
 #include <vulkan/vulkan.h>
 
 #include <array>
+#include <cmath>
 
 #include "compute/lightmap_fixture.h"
 #include "compute/pipeline_objects.h"
@@ -122,12 +123,20 @@ TEST_P(SampleLightmap, GivesTheRadianceOfADiffuseSurface) {
                                          {{0.5f, 0.5f, 1.0f, 0.0f},
                                           {0.5f, 0.5f, 0.5f, 0.0f},
                                           {1.5f, 0.5f, 1.0f, 0.0f},
-                                          {1.0f, 0.5f, 1.0f, 0.0f}});
+                                          {1.0f, 0.5f, 1.0f, 0.0f},
+                                          {0.5f, 0.5f, 1.0f, float(kPi / 3.0)},
+                                          {0.5f, 0.5f, 1.0f, float(-kPi / 6.0)},
+                                          {0.5f, 0.5f, 1.0f, float(-kPi / 2.0)}});
   EXPECT_NEAR(radiance[0].x, 31.830989, 1e-4);
   EXPECT_NEAR(radiance[1].x, 15.915494, 1e-4);
   EXPECT_NEAR(radiance[2].x, 96.766206, 1e-3);
   EXPECT_NEAR(radiance[3].x, 64.298597, 64.3 / 256);  // devices filter with 8 bits of weight
   EXPECT_NEAR(radiance[0].y, 0.31830989, 1e-6);
+  // Under an even hemisphere a normal that leans by 60 degrees has (1 + 1/2) / 2 of it; in light from (0.6,
+  // 0.8, 0) one that leans away by 30 degrees (0.8 cos 30 - 0.6 sin 30) / 0.8, and by 90 degrees nothing.
+  EXPECT_NEAR(radiance[4].x, 0.75 * 31.830989, 1e-4);
+  EXPECT_NEAR(radiance[5].x, (std::sqrt(0.75) - 0.375) * 31.830989, 1e-4);
+  EXPECT_NEAR(radiance[6].x, 0.0, 1e-4);
   EXPECT_NEAR(radiance[0].z, 0.07957747, 1e-6);
 }
 

@@ -7,6 +7,7 @@
 #include "compute/device_fixture.h"
 #include "compute/near_reference.h"
 #include "compute/test_models.h"
+#include "core/packed_direction.h"
 
 namespace relume::test {
 namespace {
@@ -188,6 +189,42 @@ TEST_F(SolveOnDevice, ProbesAgreeWithTheReference) {
   const Model part = unloaded(model, 1);
   const Lighting of_part = random_lighting(part, 45);
   EXPECT_TRUE(agrees_with_reference(solve(part, of_part, {30, 0.0}), part, of_part));
+}
+
+TEST_F(SolveOnDevice, DirectionsAgreeWithTheReference) {
+  for (const ValueCodec codec : {ValueCodec::f32, ValueCodec::unorm16, ValueCodec::sqrt8}) {
+    for (const std::uint32_t tile_rows : {1u, 8u}) {
+      const Model model =
+          random_model({.nodes = 9, .spanning_nodes = 30, .directional = true}, 46, {codec, 4000, tile_rows});
+      ASSERT_GT(model.systems[0].gather.blocks.size(), 1u);
+      const Lighting lighting = random_lighting(model, 47);
+      const DeviceSolution whole = solve(model, lighting, {30, 0.0});
+      ASSERT_EQ(whole.moments.size(), 360u);
+      EXPECT_TRUE(agrees_with_reference(whole, model, lighting));
+      // Cut into many dispatches and submissions.
+      DeviceSolveOptions small;
+      small.max_dispatch_form_factors = 1000;
+      small.max_submit_form_factors = 5000;
+      EXPECT_EQ(solve(model, lighting, {30, 0.0}, small).moments, whole.moments);
+      const Model part = unloaded(model, 1);
+      const Lighting of_part = random_lighting(part, 48);
+      EXPECT_TRUE(agrees_with_reference(solve(part, of_part, {30, 0.0}), part, of_part));
+    }
+  }
+}
+
+// Radiosity 8 from along -z and 4 from along (0.6, 0.8, 0) (packed: 306, 409 of 511), of which a row receives
+// a half and a quarter.
+TEST_F(SolveOnDevice, DirectionsByHand) {
+  Model model = drawn_model({{{{0, 0}, {0, 1}}, {{0.0, 0.0}, {0.0, 0.0}}, {{0.5, 0.25}}}}, 0);
+  model.systems[0].gather.blocks[0].directions = {pack_direction({0, 0, -1}), pack_direction({0.6, 0.8, 0})};
+  Lighting lighting = uniform_lighting(2, Rgb(0.5), Rgb(8.0));
+  lighting.exitance[1] = Rgb(4.0);
+  const DeviceSolution out = solve(model, lighting, {1, 0.0});
+  ASSERT_EQ(out.moments.size(), 1u);
+  EXPECT_NEAR(out.moments[0][0].x, 306.0 / 511.0, 1e-6);
+  EXPECT_NEAR(out.moments[0][1].y, 409.0 / 511.0, 1e-6);
+  EXPECT_NEAR(out.moments[0][2].z, -4.0, 1e-6);
 }
 
 // Radiosities of 8 and 4, seen under 2 sr above and 1 sr at x: pi L00 = (16 + 4) / sqrt(4 pi), pi times the

@@ -7,7 +7,9 @@
 #include <span>
 #include <utility>
 
+#include "core/packed_direction.h"
 #include "core/sender_leaves.h"
+#include "core/value_codec.h"
 
 namespace relume::test {
 namespace {
@@ -89,6 +91,17 @@ DenseMatrix random_rows(Random& random, std::uint32_t rows, std::uint32_t column
   return dense;
 }
 
+void add_directions(Random& random, BlockMatrix& gather) {
+  for (MatrixBlock& block : gather.blocks) {
+    block.directions.resize(block.columns.size() * block.tile_rows);
+    for (std::size_t i = 0; i < block.directions.size(); ++i) {
+      const glm::dvec3 direction(random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5);
+      const bool used = unscaled_value(block.codec, block.values, i) > 0.0;
+      block.directions[i] = used ? pack_direction(2.0 * direction) : 0;
+    }
+  }
+}
+
 /// Lists of senders with directions of any length up to 1.
 void add_probes(Random& random, const RandomShape& shape, Model& model, System& system) {
   for (std::uint32_t i = 0; i < shape.probes; ++i) {
@@ -160,6 +173,7 @@ Model random_model(const RandomShape& shape, std::uint64_t seed, const Storage& 
   for (System& system : model.systems) {
     for (Cluster& cluster : system.clusters) cluster.area = static_cast<float>(0.1 + random.unit());
     add_probes(random, shape, model, system);
+    if (shape.directional) add_directions(random, system.gather);
     system.tree = random_tree(random, shape.nodes, static_cast<std::uint32_t>(system.clusters.size()));
   }
   model.sky_tree = random_tree(random, shape.nodes, shape.sky_patches);

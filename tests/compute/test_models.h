@@ -50,6 +50,7 @@ struct RandomShape {
   std::uint32_t probes = 0;          ///< per system, with up to row_entries senders; every fifth sees nothing
   std::uint32_t row_entries = 40;    ///< at most; every seventh row is empty
   double row_sum = 0.95;
+  bool directional = false;  ///< directions of any length up to 1 for the gather matrices
 };
 
 /// Every system imports all clusters, nodes, sky patches and nodes above the systems, in shuffled order.

@@ -30,6 +30,7 @@ TEST(Exr, HoldsHalfPrecisionOfEachChannel) {
   image.at(0, 0) = {1.0f, 2.0f, 3.0f};
   image.at(2, 0) = {0.1f, 1000.5f, 0.0f};
   image.at(1, 1) = {1e6f, -1.0f, 6.1e-5f};
+  image.at(1, 0) = {0.0f, -1e6f, 0.0f};
   const Result<std::vector<std::byte>> bytes = encode_exr(image);
   ASSERT_TRUE(bytes);
   EXRVersion version;
@@ -60,7 +61,8 @@ TEST(Exr, HoldsHalfPrecisionOfEachChannel) {
   EXPECT_NEAR(channel(2, 0, 0), 0.1f, 0.1f * 0x1p-11f);  // half a unit of 11 bits
   EXPECT_EQ(channel(2, 0, 1), 1000.5f);
   EXPECT_EQ(channel(1, 1, 0), 65504.0f);  // clamped, not infinite
-  EXPECT_EQ(channel(1, 1, 1), 0.0f);
+  EXPECT_EQ(channel(1, 1, 1), -1.0f);
+  EXPECT_EQ(channel(1, 0, 1), -65504.0f);
 }
 
 TEST(Png, ComesBackAsItWas) {
