@@ -23,7 +23,7 @@ struct FormFactorRow {
   std::vector<std::uint32_t> senders;
   std::vector<float> values;
   /// Per sender, in a directional scene: value x mean direction towards what is seen of it; else empty.
-  std::vector<glm::vec3> moments;
+  std::vector<glm::vec3> moments{};
 };
 
 /// Points [first, first + count) of a sequence; both are multiples of the size of a packet.
