@@ -116,7 +116,7 @@ class DirectLight {
   /// belongs to the command buffer until it has run. Changes the schedule and nothing else; not even that
   /// when the staging memory is smaller than staging_bytes().
   LightPart record(VkCommandBuffer commands, LightSchedule& schedule, const Staging& staging,
-                  std::uint64_t max_rays) const;
+                   std::uint64_t max_rays) const;
 
   /// Segments to trace on their own, for measurements and tests: `count` of them lie in the work buffer
   /// (eight floats each: from, 0, to, 0) and the share of light that gets along goes into the shares (one

@@ -72,9 +72,10 @@ uint32_t relume_model_sky_patch_count(const relume_model* model);
  * An image of 1 x 1 is the same radiance from everywhere. */
 relume_status relume_model_sky(const relume_model* model, const float* image, uint32_t width, uint32_t height,
                                float* patches, relume_error* error);
-/* The same of a cube map: six faces of `size` x `size` pixels, +X, -X, +Y, -Y, +Z, -Z, each as Vulkan holds it. */
-relume_status relume_model_sky_faces(const relume_model* model, const float* faces, uint32_t size, float* patches,
-                                     relume_error* error);
+/* The same of a cube map: six faces of `size` x `size` pixels, +X, -X, +Y, -Y, +Z, -Z, each as Vulkan holds
+ * it. */
+relume_status relume_model_sky_faces(const relume_model* model, const float* faces, uint32_t size,
+                                     float* patches, relume_error* error);
 uint32_t relume_model_material_count(const relume_model* model);
 /* As long as the model. A material is a number below relume_model_material_count. */
 const char* relume_model_material_name(const relume_model* model, uint32_t material);
@@ -256,8 +257,9 @@ typedef struct relume_input_copy {
 relume_buffer_range relume_input(const relume_solver* solver, uint32_t system, relume_quantity quantity);
 relume_buffer_range relume_radiosity(const relume_solver* solver, uint32_t system);
 relume_buffer_range relume_irradiance(const relume_solver* solver, uint32_t system);
-/* Three times four floats per gather row: first moments of its irradiance along x, y and z (lm/m2, the last of
- * four is 0), without the light of punctual lights; null unless the file was precomputed with --directional. */
+/* Three times four floats per gather row: first moments of its irradiance along x, y and z (lm/m2, the last
+ * of four is 0), without the light of punctual lights; null unless the file was precomputed with
+ * --directional. */
 relume_buffer_range relume_directional_irradiance(const relume_solver* solver, uint32_t system);
 /* Nine times four floats per light probe: coefficients of incident radiance (cd/m2 sr^1/2, the
  * last of four is 0), Y00; y, z, x; xy, yz, 3z2 - 1, xz, x2 - y2, without the light of punctual lights. */

@@ -32,12 +32,12 @@ const uint kSystemSet = 1u;
 // 0.
 const uint kImportsBinding = 0u;
 const uint kLocalRadiosityBinding = 1u;  // vec4 per import: b of the sender
-const uint kIrradianceBinding = 2u;      // vec4 per gather row: I, lm/m2; where the gather matrix has directions,
-                                         // then three vec4 per row: D along x, y, z
-const uint kAlbedoBinding = 3u;          // vec4 per cluster
-const uint kExitanceBinding = 4u;        // vec4 per cluster, lm/m2
-const uint kDirectBinding = 5u;          // vec4 per cluster: H, lm/m2
-const uint kWeightsBinding = 6u;         // vec4 per cluster: v of the contraction bound, > 0
+const uint kIrradianceBinding = 2u;  // vec4 per gather row: I, lm/m2; where the gather matrix has directions,
+                                     // then three vec4 per row: D along x, y, z
+const uint kAlbedoBinding = 3u;      // vec4 per cluster
+const uint kExitanceBinding = 4u;    // vec4 per cluster, lm/m2
+const uint kDirectBinding = 5u;      // vec4 per cluster: H, lm/m2
+const uint kWeightsBinding = 6u;     // vec4 per cluster: v of the contraction bound, > 0
 const uint kNodesBinding = 7u;       // uvec4 per node: first leaf, number of leaves, first of their shares, 0
 const uint kNodeSharesBinding = 8u;  // float per leaf of every node: what it counts for in the mean
 const uint kSystemBindings = 9u;

@@ -15,8 +15,8 @@ struct Range {
   uint count;      // rows, imports, clusters or nodes
   uint block_row;  // row of the matrix that is row 0 of the block; nodes: number of leaves; residual: number
                    // of the system
-  uint first_sender;  // sender 0 of the system in the half that is written; residual: in the half that counts;
-                      // directions: number of rows of the block
+  uint first_sender;  // sender 0 of the system in the half that is written; residual: in the half that
+                      // counts; directions: number of rows of the block
   // ---- 16 bytes
 };
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Errors are values. Every function that its caller can make fail returns Result<T>; nothing in the library
-// exits, aborts, prints, or throws across its border. The message is one sentence that names what failed, where,
-// what was expected and what was found; the code decides the exit status of the command line.
+// exits, aborts, prints, or throws across its border. The message is one sentence that names what failed,
+// where, what was expected and what was found; the code decides the exit status of the command line.
 #pragma once
 
 #include <string>
