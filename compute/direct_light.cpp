@@ -64,9 +64,7 @@ Result<void> check_options(const Model& model, const DirectLightOptions& options
 
 template <class T>
 void add_piece(UploadData& data, std::uint32_t buffer, const std::vector<T>& values) {
-  if (values.empty()) return;
-  const std::span bytes = std::as_bytes(std::span(values));
-  data.add_owned(buffer, 0, {bytes.begin(), bytes.end()});
+  if (!values.empty()) data.add_owned(buffer, 0, owned_bytes(values));
 }
 
 template <class T>

@@ -10,11 +10,11 @@
 namespace relume {
 namespace {
 
-void add_light(const Probing& probing, const FormFactorRow& row, float sign, ProbeValues& sums) {
+void add_light(const Probing& probing, const FormFactorRow& row, float sign, ProbingValues& sums) {
   for (std::size_t i = 0; i < row.senders.size(); ++i) {
-    const ProbeValues& radiosity = probing.senders[row.senders[i]];
+    const ProbingValues& radiosity = probing.senders[row.senders[i]];
     const float factor = sign * row.values[i];
-    for (std::size_t p = 0; p < kProbes; ++p) sums[p] += factor * radiosity[p];
+    for (std::size_t p = 0; p < kProbings; ++p) sums[p] += factor * radiosity[p];
   }
 }
 
@@ -41,16 +41,16 @@ double row_noise(const Probing& probing, std::span<const RowHalves> rows) {
   for (const RowHalves& halves : rows) {
     if (halves.first.back_face_share + halves.second.back_face_share > 2.0f * kInvalidShare) continue;
     count += 1.0;
-    ProbeValues difference{};
+    ProbingValues difference{};
     add_light(probing, halves.first.row, 0.5f, difference);
     add_light(probing, halves.second.row, -0.5f, difference);
-    const ProbeValues& weights = weights_of_room(probing, room_of(probing, halves.first.row));
-    for (std::size_t p = 0; p < kProbes; ++p) {
+    const ProbingValues& weights = weights_of_room(probing, room_of(probing, halves.first.row));
+    for (std::size_t p = 0; p < kProbings; ++p) {
       const double error = double(difference[p] * weights[p]);
       squares += error * error;
     }
   }
-  return count > 0.0 ? std::sqrt(squares / (count * double(kProbes))) : 0.0;
+  return count > 0.0 ? std::sqrt(squares / (count * double(kProbings))) : 0.0;
 }
 
 }  // namespace relume

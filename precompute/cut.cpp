@@ -52,8 +52,8 @@ std::uint32_t room_of(const Probing& probing, const FormFactorRow& row) {
   return most == sums.end() ? kNoRoom : most->first;
 }
 
-const ProbeValues& weights_of_room(const Probing& probing, std::uint32_t room) {
-  static constexpr ProbeValues kNothing{};
+const ProbingValues& weights_of_room(const Probing& probing, std::uint32_t room) {
+  static constexpr ProbingValues kNothing{};
   return room == kNoRoom ? kNothing : probing.weights[room];
 }
 
@@ -96,24 +96,24 @@ void TileCutter::sum_up() {
   }
   factor_sums_.assign(tile_.size(), 0.0f);
   factor_sums_.resize((leaves_.size() + 1) * tile_.size());
-  light_sums_.assign(tile_.size(), ProbeValues{});
+  light_sums_.assign(tile_.size(), ProbingValues{});
   light_sums_.resize((leaves_.size() + 1) * tile_.size());
-  noise_sums_.assign(1, ProbeValues{});
+  noise_sums_.assign(1, ProbingValues{});
   for (std::size_t i = 0; i < leaves_.size(); ++i) {
-    const ProbeValues& radiosity = probing_.senders[leaves_[i]];
+    const ProbingValues& radiosity = probing_.senders[leaves_[i]];
     noise_sums_.push_back(noise_sums_.back());
     for (std::size_t r = 0; r < tile_.size(); ++r) {
       const std::size_t at = i * tile_.size() + r;
       const float share = factors_[at] / tile_[r].rays;
       factor_sums_[at + tile_.size()] = factor_sums_[at] + factors_[at];
-      for (std::size_t p = 0; p < kProbes; ++p) {
+      for (std::size_t p = 0; p < kProbings; ++p) {
         light_sums_[at + tile_.size()][p] = light_sums_[at][p] + factors_[at] * radiosity[p];
         const float weighted = weights_[r][p] * radiosity[p];
         noise_sums_.back()[p] += share * weighted * weighted;
       }
     }
   }
-  added_errors_.assign(tile_.size(), ProbeValues{});
+  added_errors_.assign(tile_.size(), ProbingValues{});
   squared_errors_ = spot_errors_ = 0.0;
 }
 
@@ -123,14 +123,14 @@ TileCutter::Candidate TileCutter::candidate(std::uint32_t node, std::size_t firs
   Candidate result{0.0f, node, std::size_t(std::lower_bound(begin, end, range.first) - leaves_.begin()),
                    std::size_t(std::lower_bound(begin, end, range.first + range.count) - leaves_.begin())};
   if (range.count == 1 || result.first == result.last) return result;
-  const ProbeValues& mean = probing_.nodes[node];
+  const ProbingValues& mean = probing_.nodes[node];
   float squared = 0.0f, noise = 0.0f;
-  for (std::size_t p = 0; p < kProbes; ++p)
+  for (std::size_t p = 0; p < kProbings; ++p)
     noise += noise_sums_[result.last][p] - noise_sums_[result.first][p];
   for (std::size_t r = 0; r < tile_.size(); ++r) {
     const std::size_t before = result.first * tile_.size() + r, after = result.last * tile_.size() + r;
     const float factor = factor_sums_[after] - factor_sums_[before];
-    for (std::size_t p = 0; p < kProbes; ++p) {
+    for (std::size_t p = 0; p < kProbings; ++p) {
       const float light = light_sums_[after][p] - light_sums_[before][p];
       const float error = (light - factor * mean[p]) * weights_[r][p];
       squared += error * error;
@@ -139,7 +139,7 @@ TileCutter::Candidate TileCutter::candidate(std::uint32_t node, std::size_t firs
   }
   noise = std::clamp(noise, 0.0f, squared);
   result.squared_error =
-      std::max(squared - kNoiseShare * noise, kAtLeast * squared) / float(tile_.size() * kProbes);
+      std::max(squared - kNoiseShare * noise, kAtLeast * squared) / float(tile_.size() * kProbings);
   result.spot_error = spot_error(result);
   result.squared_error += result.spot_error;
   return result;
@@ -168,11 +168,11 @@ void TileCutter::book(const Candidate& c, float sign) {
   squared_errors_ += double(sign * c.squared_error);
   spot_errors_ += double(sign * c.spot_error);
   if (tree_.nodes[c.node].count == 1) return;
-  const ProbeValues& mean = probing_.nodes[c.node];
+  const ProbingValues& mean = probing_.nodes[c.node];
   for (std::size_t r = 0; r < tile_.size(); ++r) {
     const std::size_t before = c.first * tile_.size() + r, after = c.last * tile_.size() + r;
     const float factor = factor_sums_[after] - factor_sums_[before];
-    for (std::size_t p = 0; p < kProbes; ++p) {
+    for (std::size_t p = 0; p < kProbings; ++p) {
       added_errors_[r][p] +=
           sign * (light_sums_[after][p] - light_sums_[before][p] - factor * mean[p]) * weights_[r][p];
     }
@@ -181,10 +181,10 @@ void TileCutter::book(const Candidate& c, float sign) {
 
 float TileCutter::tile_error() const {
   float added = 0.0f;
-  for (const ProbeValues& row : added_errors_) {
+  for (const ProbingValues& row : added_errors_) {
     for (const float error : row) added += error * error;
   }
-  return std::max(float(squared_errors_), added / float(tile_.size() * kProbes) + float(spot_errors_));
+  return std::max(float(squared_errors_), added / float(tile_.size() * kProbings) + float(spot_errors_));
 }
 
 template <class Stop>
@@ -270,7 +270,7 @@ CutTile TileCutter::finish(std::vector<Candidate> kept) const {
     if (!moments_.empty()) tile.moments.push_back(moments_of(kept, r));
     float squares = 0.0f;
     for (const float error : added_errors_[r]) squares += error * error;
-    tile.error.push_back(std::sqrt(squares / float(kProbes) + float(std::max(spot_errors_, 0.0))));
+    tile.error.push_back(std::sqrt(squares / float(kProbings) + float(std::max(spot_errors_, 0.0))));
   }
   return tile;
 }

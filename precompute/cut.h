@@ -24,7 +24,7 @@ struct CutTile {
   /// [row][node], of directional rows: the same sum of their moments; else empty.
   std::vector<std::vector<glm::vec3>> moments;
   std::vector<float> error;  ///< [row]: of its irradiance by what the nodes hide, relative to its room's,
-                             ///< estimated from the probes
+                             ///< estimated from the probings
 };
 
 struct CutLimits {
@@ -50,7 +50,7 @@ struct CutSenders {
 };
 
 /// How the error of a tile falls while it is refined: as long as a node's error is larger than `node`, the
-/// tile's is `tile`. Both squared, mean over rows and probes.
+/// tile's is `tile`. Both squared, mean over rows and probings.
 struct CutStep {
   float node = 0.0f, tile = 0.0f;
 };
@@ -62,9 +62,9 @@ class TileCutter {
   explicit TileCutter(const CutSenders& senders);
 
   /// Starts from the roots and refines the node whose mean radiosity, in place of those of its leaves,
-  /// changes the irradiance of the rows most: sum_j F_j (b_j - b_n) for each row and probe, relative to the
+  /// changes the irradiance of the rows most: sum_j F_j (b_j - b_n) for each row and probing, relative to the
   /// irradiance of the room that the row lies in, root mean square, less what the noise of the rays alone
-  /// would make of it; and what it would hide of a light that the probes know nothing of, which lights a
+  /// would make of it; and what it would hide of a light that no probing knows of, which lights a
   /// small spot somewhere in the room.
   CutTile cut(std::span<const CutRow> tile, const CutLimits& limits);
 
@@ -95,19 +95,20 @@ class TileCutter {
   const Probing& probing_;
   NodeFlux* flux_;
   SenderSet seen_;
-  std::vector<std::uint32_t> leaves_;    ///< that any row of the tile sees, ascending
-  std::vector<std::uint32_t> place_;     ///< per sender: in leaves_
-  std::vector<float> factors_;           ///< [leaf][row]
-  std::vector<glm::vec3> moments_;       ///< [leaf][row]; empty unless rows have moments
-  std::vector<float> factor_sums_;       ///< [leaf][row]: of all leaves before
-  std::vector<ProbeValues> light_sums_;  ///< [leaf][row]: of form factor x radiosity of all leaves before
-  std::vector<ProbeValues> noise_sums_;  ///< [leaf]: of form factor x (weight x radiosity)^2 / rays over rows
-  std::vector<ProbeValues> weights_;     ///< [row]
+  std::vector<std::uint32_t> leaves_;      ///< that any row of the tile sees, ascending
+  std::vector<std::uint32_t> place_;       ///< per sender: in leaves_
+  std::vector<float> factors_;             ///< [leaf][row]
+  std::vector<glm::vec3> moments_;         ///< [leaf][row]; empty unless rows have moments
+  std::vector<float> factor_sums_;         ///< [leaf][row]: of all leaves before
+  std::vector<ProbingValues> light_sums_;  ///< [leaf][row]: of form factor x radiosity of all leaves before
+  std::vector<ProbingValues>
+      noise_sums_;                      ///< [leaf]: of form factor x (weight x radiosity)^2 / rays over rows
+  std::vector<ProbingValues> weights_;  ///< [row]
   std::vector<CutRow> tile_;
-  std::vector<std::uint32_t> row_rooms_;   ///< [row]
-  std::vector<ProbeValues> added_errors_;  ///< [row]: of all nodes kept so far
-  double squared_errors_ = 0.0;            ///< of all nodes kept so far, over rows and probes
-  double spot_errors_ = 0.0;               ///< the part of it that spots make
+  std::vector<std::uint32_t> row_rooms_;     ///< [row]
+  std::vector<ProbingValues> added_errors_;  ///< [row]: of all nodes kept so far
+  double squared_errors_ = 0.0;              ///< of all nodes kept so far, over rows and probings
+  double spot_errors_ = 0.0;                 ///< the part of it that spots make
 };
 
 inline constexpr std::uint32_t kNoRoom = 0xffffffffu;
@@ -116,6 +117,6 @@ inline constexpr std::uint32_t kNoRoom = 0xffffffffu;
 std::uint32_t room_of(const Probing& probing, const FormFactorRow& row);
 
 /// Probing::weights; all 0 of kNoRoom.
-const ProbeValues& weights_of_room(const Probing& probing, std::uint32_t room);
+const ProbingValues& weights_of_room(const Probing& probing, std::uint32_t room);
 
 }  // namespace relume

@@ -179,7 +179,7 @@ class ProbeTree {
 
 /// What the probing emissions are at a probe: per harmonic, as far as irradiance knows it.
 struct Glimpse {
-  std::array<ProbeValues, kProbeHarmonics> light{};
+  std::array<ProbingValues, kProbeHarmonics> light{};
   std::uint32_t room = kNoRoom;
 };
 
@@ -194,7 +194,7 @@ Glimpse glimpse_of(const ProbeRow& row, const Probing& probing) {
     const Harmonics y = mean_harmonics(glm::dvec3(sender.direction));
     for (std::size_t h = 0; h < kProbeHarmonics; ++h) {
       const auto worth = float(kLobe[h] * y[h] * double(sender.solid_angle) / std::sqrt(4.0 * kPi));
-      for (std::size_t p = 0; p < kProbes; ++p)
+      for (std::size_t p = 0; p < kProbings; ++p)
         glimpse.light[h][p] += worth * probing.senders[sender.sender][p];
     }
   }
@@ -206,9 +206,9 @@ Glimpse glimpse_of(const ProbeRow& row, const Probing& probing) {
 /// is less than a tenth of the root mean square of the room, to that.
 double squared_difference(const Glimpse& there, const Glimpse& told, const Probing& probing) {
   constexpr double kDark = 0.1;
-  const ProbeValues& weights = weights_of_room(probing, there.room);
+  const ProbingValues& weights = weights_of_room(probing, there.room);
   double sum = 0.0;
-  for (std::size_t p = 0; p < kProbes; ++p) {
+  for (std::size_t p = 0; p < kProbings; ++p) {
     double off = 0.0, whole = 0.0;
     for (std::size_t h = 0; h < kProbeHarmonics; ++h) {
       const double difference = double(there.light[h][p]) - double(told.light[h][p]);
@@ -218,7 +218,7 @@ double squared_difference(const Glimpse& there, const Glimpse& told, const Probi
     const double dark = weights[p] > 0.0f ? kDark / double(weights[p]) : 0.0;
     if (whole + dark * dark > 0.0) sum += off / (whole + dark * dark);
   }
-  return sum / double(kProbes);
+  return sum / double(kProbings);
 }
 
 /// Looks at probes as they are added, and at how well those at the corners of a cell tell those between.
@@ -275,12 +275,12 @@ class Critic {
       const float weight = std::max(share.x * share.y * share.z, kLeastCornerWeight);
       weights += weight;
       for (std::size_t h = 0; h < kProbeHarmonics; ++h) {
-        for (std::size_t p = 0; p < kProbes; ++p)
+        for (std::size_t p = 0; p < kProbings; ++p)
           sum.light[h][p] += weight * glimpses_[corners[c]].light[h][p];
       }
     }
     if (!(weights > 0.0f)) return std::nullopt;
-    for (ProbeValues& values : sum.light) {
+    for (ProbingValues& values : sum.light) {
       for (float& value : values) value /= weights;
     }
     return sum;

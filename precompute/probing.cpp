@@ -13,7 +13,7 @@
 #include "core/quantities.h"
 #include "core/sky.h"
 #include "precompute/clearance.h"
-#include "precompute/probe_means.h"
+#include "precompute/probing_means.h"
 #include "precompute/rows.h"
 #include "precompute/sampling.h"
 
@@ -96,7 +96,7 @@ class Prober {
         rows_(mean_rows(rows, scene.senders.weights.size())),
         clusters_(clusters_of(scene)) {
     result_.rooms = std::move(rooms);
-    result_.senders.assign(scene.senders.weights.size(), ProbeValues{});
+    result_.senders.assign(scene.senders.weights.size(), ProbingValues{});
     for (std::uint32_t c = 0; c < clusters_.size(); ++c) {
       const std::uint32_t room = result_.rooms[c];
       if (room >= rooms_.size()) rooms_.resize(room + 1);
@@ -123,26 +123,26 @@ class Prober {
 
  private:
   void light();
-  void light_room(std::uint32_t room, std::size_t probe);
+  void light_room(std::uint32_t room, std::size_t probing);
   glm::vec3 free_place(const ProbedRoom& room, Dice& dice) const;
-  void point_light(const ProbedRoom& room, Dice& dice, std::size_t probe);
-  void glowing_patch(const ProbedRoom& room, Dice& dice, std::size_t probe);
+  void point_light(const ProbedRoom& room, Dice& dice, std::size_t probing);
+  void glowing_patch(const ProbedRoom& room, Dice& dice, std::size_t probing);
   /// Those of one material, by turns; false when there are none.
-  bool emitters_of_room(std::uint32_t room, float strength, std::size_t probe);
-  void sky(std::size_t probe);
-  float albedo(std::uint32_t material, std::size_t probe) const {
-    return kLeastAlbedo + (kMostAlbedo - kLeastAlbedo) * Dice(scene_.seed, 0x616c + material, probe).next();
+  bool emitters_of_room(std::uint32_t room, float strength, std::size_t probing);
+  void sky(std::size_t probing);
+  float albedo(std::uint32_t material, std::size_t probing) const {
+    return kLeastAlbedo + (kMostAlbedo - kLeastAlbedo) * Dice(scene_.seed, 0x616c + material, probing).next();
   }
   void find_surfaces();
   void bounce();
   /// Makes radiosities differ as textures and lights in other places would.
   void vary();
   void weigh();
-  static std::vector<ProbeValues> irradiance(const std::vector<FormFactorRow>& rows,
-                                             const std::vector<ProbeValues>& senders);
+  static std::vector<ProbingValues> irradiance(const std::vector<FormFactorRow>& rows,
+                                               const std::vector<ProbingValues>& senders);
   double cluster_error() const;
   /// Root mean square over each room, by area.
-  std::vector<ProbeValues> room_means(const std::vector<ProbeValues>& clusters) const;
+  std::vector<ProbingValues> room_means(const std::vector<ProbingValues>& clusters) const;
 
   const ProbedScene& scene_;
   const SurveyRows& halves_;
@@ -150,35 +150,35 @@ class Prober {
   std::vector<ProbedCluster> clusters_;
   std::vector<ProbedRoom> rooms_;
   float least_lit_area_ = 0.0f;
-  std::vector<ProbeValues> emitted_;   ///< per cluster: exitance
-  std::vector<ProbeValues> arriving_;  ///< per cluster: direct irradiance
+  std::vector<ProbingValues> emitted_;   ///< per cluster: exitance
+  std::vector<ProbingValues> arriving_;  ///< per cluster: direct irradiance
   Probing result_;
 };
 
 void Prober::light() {
-  emitted_.assign(clusters_.size(), ProbeValues{});
-  arriving_.assign(clusters_.size(), ProbeValues{});
-  for (std::size_t p = 0; p < kProbes; ++p) {
+  emitted_.assign(clusters_.size(), ProbingValues{});
+  arriving_.assign(clusters_.size(), ProbingValues{});
+  for (std::size_t p = 0; p < kProbings; ++p) {
     if (p % 4 == 0) sky(p);
     for (std::uint32_t room = 0; room < rooms_.size(); ++room) light_room(room, p);
   }
 }
 
-void Prober::light_room(std::uint32_t index, std::size_t probe) {
+void Prober::light_room(std::uint32_t index, std::size_t probing) {
   const ProbedRoom& room = rooms_[index];
-  Dice dice(scene_.seed, 0x726f + index, probe);
+  Dice dice(scene_.seed, 0x726f + index, probing);
   const float kind = dice.next();
   const float strength = 0.2f + 0.8f * dice.next();
   if (room.area() < least_lit_area_) {
-    for (const auto c : room.clusters) emitted_[c][probe] = strength * dice.next();
+    for (const auto c : room.clusters) emitted_[c][probing] = strength * dice.next();
   } else if (kind < 0.2f && rooms_.size() > 1) {
     return;  // dark, but for what comes from its neighbours
-  } else if (probe % 8 == 1 && emitters_of_room(index, strength, probe)) {
+  } else if (probing % 8 == 1 && emitters_of_room(index, strength, probing)) {
     return;
   } else if (kind > 0.9f) {
-    glowing_patch(room, dice, probe);
+    glowing_patch(room, dice, probing);
   } else {
-    point_light(room, dice, probe);
+    point_light(room, dice, probing);
   }
 }
 
@@ -205,7 +205,7 @@ glm::vec3 Prober::free_place(const ProbedRoom& room, Dice& dice) const {
   return best;
 }
 
-void Prober::point_light(const ProbedRoom& room, Dice& dice, std::size_t probe) {
+void Prober::point_light(const ProbedRoom& room, Dice& dice, std::size_t probing) {
   const glm::vec3 position = free_place(room, dice);
   // As much flux as would give the room one lux.
   const float intensity = room.area() / float(4.0 * kPi);
@@ -216,11 +216,11 @@ void Prober::point_light(const ProbedRoom& room, Dice& dice, std::size_t probe) 
     if (cosine <= 0.0f || squared <= 0.0f) return;
     if (scene_.caster.occluded(at.position + scene_.geometry.offset * at.normal, position)) return;
     const float distance = std::sqrt(squared);
-    arriving_[c][probe] += intensity * (cosine / distance) / std::max(squared, kLampStandOff * room.area());
+    arriving_[c][probing] += intensity * (cosine / distance) / std::max(squared, kLampStandOff * room.area());
   });
 }
 
-void Prober::glowing_patch(const ProbedRoom& room, Dice& dice, std::size_t probe) {
+void Prober::glowing_patch(const ProbedRoom& room, Dice& dice, std::size_t probing) {
   const SurfacePoint& middle = clusters_[room.choose(dice.next())].at;
   const float radius = 0.1f * std::sqrt(room.area());
   std::vector<std::uint32_t> patch;
@@ -232,52 +232,52 @@ void Prober::glowing_patch(const ProbedRoom& room, Dice& dice, std::size_t probe
     patch.push_back(c);
     area += clusters_[c].area;
   }
-  for (const auto c : patch) emitted_[c][probe] += room.area() / std::max(area, kLeastPatch * room.area());
+  for (const auto c : patch) emitted_[c][probing] += room.area() / std::max(area, kLeastPatch * room.area());
 }
 
-bool Prober::emitters_of_room(std::uint32_t index, float strength, std::size_t probe) {
+bool Prober::emitters_of_room(std::uint32_t index, float strength, std::size_t probing) {
   std::map<std::uint32_t, float> areas;  // per material
   for (const Emitter& emitter : scene_.emitters.list) {
     if (result_.rooms[emitter.cluster] == index) areas[emitter.material] += float(emitter.area);
   }
   if (areas.empty()) return false;
-  const auto [material, area] = *std::next(areas.begin(), std::ptrdiff_t(probe / 8 % areas.size()));
+  const auto [material, area] = *std::next(areas.begin(), std::ptrdiff_t(probing / 8 % areas.size()));
   for (const Emitter& emitter : scene_.emitters.list) {
     if (result_.rooms[emitter.cluster] == index && emitter.material == material)
-      emitted_[emitter.cluster][probe] +=
+      emitted_[emitter.cluster][probing] +=
           strength * rooms_[index].area() / std::max(area, kLeastPatch * rooms_[index].area());
   }
   return true;
 }
 
-void Prober::sky(std::size_t probe) {
-  Dice dice(scene_.seed, 0x736b, probe);
+void Prober::sky(std::size_t probing) {
+  Dice dice(scene_.seed, 0x736b, probing);
   const glm::vec3 bright = glm::normalize(glm::vec3(dice.next() - 0.5f, dice.next(), dice.next() - 0.5f));
   for (std::size_t i = 0; i < scene_.senders.sky_cells.size(); ++i) {
     const glm::vec3 direction(sky_cell_direction(scene_.senders.sky_cells[i], scene_.senders.sky_resolution));
-    result_.senders[clusters_.size() + i][probe] =
-        probe == 0 ? 1.0f : 1.0f + 0.9f * glm::dot(direction, bright);
+    result_.senders[clusters_.size() + i][probing] =
+        probing == 0 ? 1.0f : 1.0f + 0.9f * glm::dot(direction, bright);
   }
 }
 
-std::vector<ProbeValues> Prober::irradiance(const std::vector<FormFactorRow>& rows,
-                                            const std::vector<ProbeValues>& senders) {
-  std::vector<ProbeValues> sums(rows.size(), ProbeValues{});
+std::vector<ProbingValues> Prober::irradiance(const std::vector<FormFactorRow>& rows,
+                                              const std::vector<ProbingValues>& senders) {
+  std::vector<ProbingValues> sums(rows.size(), ProbingValues{});
   tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t r) {
     for (std::size_t i = 0; i < rows[r].senders.size(); ++i) {
-      const ProbeValues& from = senders[rows[r].senders[i]];
-      for (std::size_t p = 0; p < kProbes; ++p) sums[r][p] += rows[r].values[i] * from[p];
+      const ProbingValues& from = senders[rows[r].senders[i]];
+      for (std::size_t p = 0; p < kProbings; ++p) sums[r][p] += rows[r].values[i] * from[p];
     }
   });
   return sums;
 }
 
 void Prober::vary() {
-  for (std::size_t p = 0; p < kProbes; ++p) {
+  for (std::size_t p = 0; p < kProbings; ++p) {
     Dice dice(scene_.seed, 0x7761, p);
     const glm::vec3 way =
         glm::normalize(glm::vec3(dice.next() - 0.5f, dice.next() - 0.5f, dice.next() - 0.5f));
-    const float phase = dice.next(), across = 1.0f + kShortestWave * float(p) / float(kProbes);
+    const float phase = dice.next(), across = 1.0f + kShortestWave * float(p) / float(kProbings);
     for (std::size_t i = 0; i < clusters_.size(); ++i) {
       const ProbedRoom& room = rooms_[result_.rooms[i]];
       const float at = glm::dot(clusters_[i].at.position, way) * across / std::sqrt(room.area()) + phase;
@@ -290,10 +290,11 @@ void Prober::vary() {
 
 void Prober::bounce() {
   for (int k = 0; k <= kBounces; ++k) {
-    const std::vector<ProbeValues> indirect =
-        k == 0 ? std::vector<ProbeValues>(rows_.size(), ProbeValues{}) : irradiance(rows_, result_.senders);
+    const std::vector<ProbingValues> indirect =
+        k == 0 ? std::vector<ProbingValues>(rows_.size(), ProbingValues{})
+               : irradiance(rows_, result_.senders);
     for (std::size_t c = 0; c < clusters_.size(); ++c) {
-      for (std::size_t p = 0; p < kProbes; ++p) {
+      for (std::size_t p = 0; p < kProbings; ++p) {
         result_.senders[c][p] =
             emitted_[c][p] + albedo(clusters_[c].material, p) * (arriving_[c][p] + indirect[c][p]);
       }
@@ -301,11 +302,11 @@ void Prober::bounce() {
   }
 }
 
-std::vector<ProbeValues> Prober::room_means(const std::vector<ProbeValues>& clusters) const {
-  std::vector<ProbeValues> means(rooms_.size(), ProbeValues{});
+std::vector<ProbingValues> Prober::room_means(const std::vector<ProbingValues>& clusters) const {
+  std::vector<ProbingValues> means(rooms_.size(), ProbingValues{});
   for (std::size_t room = 0; room < rooms_.size(); ++room) {
     for (const auto c : rooms_[room].clusters) {
-      for (std::size_t p = 0; p < kProbes; ++p)
+      for (std::size_t p = 0; p < kProbings; ++p)
         means[room][p] += clusters_[c].area / rooms_[room].area() * clusters[c][p] * clusters[c][p];
     }
     for (float& mean : means[room]) mean = std::sqrt(mean);
@@ -334,14 +335,14 @@ void Prober::find_surfaces() {
 }
 
 void Prober::weigh() {
-  const std::vector<ProbeValues> means = room_means(irradiance(rows_, result_.senders));
-  ProbeValues brightest{};
-  for (const ProbeValues& mean : means) {
-    for (std::size_t p = 0; p < kProbes; ++p) brightest[p] = std::max(brightest[p], mean[p]);
+  const std::vector<ProbingValues> means = room_means(irradiance(rows_, result_.senders));
+  ProbingValues brightest{};
+  for (const ProbingValues& mean : means) {
+    for (std::size_t p = 0; p < kProbings; ++p) brightest[p] = std::max(brightest[p], mean[p]);
   }
-  result_.weights.assign(rooms_.size(), ProbeValues{});
+  result_.weights.assign(rooms_.size(), ProbingValues{});
   for (std::size_t room = 0; room < rooms_.size(); ++room) {
-    for (std::size_t p = 0; p < kProbes; ++p) {
+    for (std::size_t p = 0; p < kProbings; ++p) {
       const float least = (rooms_[room].area() < least_lit_area_ ? kDimmestNook : kDimmest) * brightest[p];
       if (least > 0.0f) result_.weights[room][p] = 1.0f / std::max(means[room][p], least);
     }
@@ -351,25 +352,25 @@ void Prober::weigh() {
 
 double Prober::cluster_error() const {
   // What emits is known by its cluster; only reflected light is smeared.
-  std::vector<ProbeValues> reflected(result_.senders.size(), ProbeValues{});
+  std::vector<ProbingValues> reflected(result_.senders.size(), ProbingValues{});
   for (std::size_t c = 0; c < clusters_.size(); ++c) {
-    for (std::size_t p = 0; p < kProbes; ++p) reflected[c][p] = result_.senders[c][p] - emitted_[c][p];
+    for (std::size_t p = 0; p < kProbings; ++p) reflected[c][p] = result_.senders[c][p] - emitted_[c][p];
   }
-  std::vector<ProbeValues> change = coarser(scene_.senders, clusters_.size(), reflected);
+  std::vector<ProbingValues> change = coarser(scene_.senders, clusters_.size(), reflected);
   for (std::size_t i = 0; i < change.size(); ++i) {
-    for (std::size_t p = 0; p < kProbes; ++p) change[i][p] -= reflected[i][p];
+    for (std::size_t p = 0; p < kProbings; ++p) change[i][p] -= reflected[i][p];
   }
-  const std::vector<ProbeValues> first = irradiance(halves_.first, change),
-                                 second = irradiance(halves_.second, change);
+  const std::vector<ProbingValues> first = irradiance(halves_.first, change),
+                                   second = irradiance(halves_.second, change);
   double sum = 0.0, area = 0.0;
   for (std::size_t c = 0; c < clusters_.size(); ++c) {
     const std::uint32_t room = result_.rooms[c];
     if (rooms_[room].area() < least_lit_area_) continue;
     area += clusters_[c].area;
-    for (std::size_t p = 0; p < kProbes; ++p) {
+    for (std::size_t p = 0; p < kProbings; ++p) {
       const double weight = double(result_.weights[room][p]);
-      sum +=
-          double(clusters_[c].area) * weight * weight * double(first[c][p]) * double(second[c][p]) / kProbes;
+      sum += double(clusters_[c].area) * weight * weight * double(first[c][p]) * double(second[c][p]) /
+             kProbings;
     }
   }
   // From twice the size down to this one: of first to second order in the size, half of the change is left.

@@ -18,9 +18,9 @@ namespace relume {
 
 struct SurveyRows;
 
-/// So many lightings at once, one channel each.
-inline constexpr std::size_t kProbes = 16;
-using ProbeValues = std::array<float, kProbes>;
+/// So many probing emissions at once, one channel each.
+inline constexpr std::size_t kProbings = 16;
+using ProbingValues = std::array<float, kProbings>;
 
 /// Where the surface of a node lies.
 struct NodeSurface {
@@ -31,14 +31,16 @@ struct NodeSurface {
 
 /// Radiosities under the probing emissions. Numbers of senders are those of a SenderTree.
 struct Probing {
-  std::vector<ProbeValues> senders;   ///< per sender, lm/m2; differing as textures and other lights make them
-  std::vector<ProbeValues> nodes;     ///< per node of the tree: mean of its senders by weight
+  std::vector<ProbingValues>
+      senders;                        ///< per sender, lm/m2; differing as textures and other lights make them
+  std::vector<ProbingValues> nodes;   ///< per node of the tree: mean of its senders by weight
   std::vector<NodeSurface> surfaces;  ///< per node of the tree; of the sky without area
   std::vector<std::uint32_t> rooms;   ///< per cluster
-  std::vector<ProbeValues> weights;   ///< per room: 1 / root mean square of its irradiance; of a room that
-                                      ///< nothing lights, as if it had a hundredth of that of the brightest
-  double cluster_error = 0.0;  ///< of irradiance, relative to its root mean square in the room: what clusters
-                               ///< of this size are estimated to cost, root mean square over rooms and probes
+  std::vector<ProbingValues> weights;  ///< per room: 1 / root mean square of its irradiance; of a room that
+                                       ///< nothing lights, as if it had a hundredth of that of the brightest
+  double cluster_error =
+      0.0;  ///< of irradiance, relative to its root mean square in the room: what clusters
+            ///< of this size are estimated to cost, root mean square over rooms and probings
 };
 
 /// What the rows of a survey are traced against, and where its clusters lie.

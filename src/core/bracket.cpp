@@ -26,19 +26,14 @@ struct LooseRows {
   const CsrMatrix& nodes;
 };
 
-/// Of the leaves of a node; none are loaded where it is black, and where some are not, the rest may send
-/// nothing.
 Interval hull_of(const CsrMatrix& nodes, std::uint32_t node, const std::vector<Interval>& leaves) {
-  constexpr double kAll = 1.0 - 1e-5;
   const auto begin = nodes.row_offsets[node], end = nodes.row_offsets[node + 1];
-  Interval hull = begin < end ? leaves[nodes.column_indices[begin]] : Interval{};
-  double loaded = 0.0;
-  for (std::uint64_t e = begin; e < end; ++e) {
+  Interval hull = leaves[nodes.column_indices[begin]];
+  for (std::uint64_t e = begin + 1; e < end; ++e) {
     hull.low = glm::min(hull.low, leaves[nodes.column_indices[e]].low);
     hull.high = glm::max(hull.high, leaves[nodes.column_indices[e]].high);
-    loaded += nodes.values[e];
   }
-  return loaded < kAll ? Interval{Rgb(0.0), hull.high} : hull;
+  return hull;
 }
 
 /// Of all senders: leaves, then nodes.

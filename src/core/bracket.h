@@ -9,7 +9,7 @@
 // The form factor to a node is the sum of those to its leaves, so whatever the rays shared out among the
 // leaves, the solution of the rows before they were cut and encoded lies inside (hierarchical bounds:
 // Lischinski, Smits, Greenberg, Bounds and Error Estimates for Radiosity, 1994). What rays, cluster sizes and
-// lights get wrong, and what systems that are not loaded would send, is not in it.
+// lights get wrong is not in it.
 #pragma once
 
 #include <functional>
@@ -30,6 +30,7 @@ struct SolutionBracket {
   std::uint32_t products = 0;
 };
 
+/// All systems must be loaded: only then do the errors of a row's values make up for each other.
 /// `slack`: reference_slack of the model that `matrices` are from. `start`: near the solution, best that of a
 /// solver. Iterated until what is left is 1e-6 of the largest radiosity, and widened by it. Refused
 /// (check_failed) where the intervals need not stay finite: max_i rho_i (sum_j K_ij + 2 slack_ij) of 1 or

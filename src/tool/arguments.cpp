@@ -246,13 +246,14 @@ class Parser {
     CLI::App& command = add_command("solve", "Relight: lightmaps, tables and pictures");
     add_path(command, "FILE", "", solve_.file, ".relume file")->required();
     add_path(command, "-o,--output", "DIR", solve_.output, "Folder for the results")->required();
-    command
-        .add_option_function<std::vector<std::string>>(
-            "--systems", [this](const std::vector<std::string>& names) { solve_.systems = names; },
-            "Load these systems alone; what the others would add is bounded")
-        ->type_name("NAME,NAME...")
-        ->delimiter(',')
-        ->allow_extra_args(false);
+    CLI::Option* systems =
+        command
+            .add_option_function<std::vector<std::string>>(
+                "--systems", [this](const std::vector<std::string>& names) { solve_.systems = names; },
+                "Load these systems alone; what the others would add is bounded")
+            ->type_name("NAME,NAME...")
+            ->delimiter(',')
+            ->allow_extra_args(false);
     add_number(command, "--missing-radiosity", solve_.missing_radiosity, kRadiosity,
                "The most that a surface of a system not loaded has (default: the most of those loaded)");
     add_lighting(command, solve_.lighting);
@@ -260,9 +261,10 @@ class Parser {
         command, "--ktx2", {"rgba16f", "r11g11b10f", "rgb9e5"},
         [this](std::size_t k) { solve_.ktx2 = static_cast<LightmapFormat>(k); },
         "Lightmaps also as .ktx2, for engines to load");
-    command.add_flag(
-        "--bounds", solve_.bounds,
-        "Also between which values the answer lies that rows had before they were cut and stored");
+    command
+        .add_flag("--bounds", solve_.bounds,
+                  "Also between which values the answer lies that rows had before they were cut and stored")
+        ->excludes(systems);
     add_solver(command, solve_.solver, true);
     std::vector<std::string> methods{"auto"};
     methods.insert(methods.end(), method_names().begin(), method_names().end());

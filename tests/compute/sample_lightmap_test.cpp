@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "compute/lightmap_fixture.h"
-#include "compute/pipeline_objects.h"
+#include "compute/run_kernel.h"
 #include "compute/vulkan_info.h"
 #include "spirv/sample_lightmap_probe.h"
 
@@ -30,81 +30,14 @@ class SampleLightmap : public LightmapTest, public testing::WithParamInterface<L
     VkSampler sampler = VK_NULL_HANDLE;
     EXPECT_EQ(vkCreateSampler(owner, &info, nullptr, &sampler), VK_SUCCESS);
     const VulkanHandle<VkSampler> sampler_owner(owner, sampler, vkDestroySampler, nullptr);
-    dispatch({asked, answers},
-             {sampler, image.view(format, VK_IMAGE_USAGE_SAMPLED_BIT), kImageSampled.layout}, image,
-             static_cast<std::uint32_t>(places.size()));
+    run_kernel(
+        device(),
+        {sample_lightmap_probe_spirv,
+         {asked, answers},
+         static_cast<std::uint32_t>(places.size()),
+         VkDescriptorImageInfo{sampler, image.view(format, VK_IMAGE_USAGE_SAMPLED_BIT), kImageSampled.layout},
+         [&](VkCommandBuffer commands) { image.record_transition(commands, kImageWritten, kImageSampled); }});
     return read_rgb(answers);
-  }
-
- private:
-  void dispatch(const std::array<BufferRange, 2>& buffers, const VkDescriptorImageInfo& sampled,
-                const HostImage& image, std::uint32_t count) {
-    const HostDevice host = device().host();
-    const auto functions = load_device_functions(host);
-    ASSERT_TRUE(functions);
-    const SetShape shape{.storage_buffers = 2, .sampled_images = 1};
-    const auto set_layout = make_set_layout(host, *functions, shape);
-    ASSERT_TRUE(set_layout);
-    const VkDescriptorSetLayout set_layout_of = set_layout->get();
-    const auto layout = make_pipeline_layout(host, *functions, {&set_layout_of, 1}, 0);
-    const auto pool = make_descriptor_pool(host, *functions, 1, shape);
-    ASSERT_TRUE(layout && pool);
-    const VkDescriptorSet set = make_set(pool->get(), set_layout_of, buffers, sampled);
-    const VulkanHandle<VkPipeline> pipeline = make_pipeline(layout->get());
-    EXPECT_TRUE(device().submit([&](VkCommandBuffer commands) {
-      image.record_transition(commands, kImageWritten, kImageSampled);
-      vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.get());
-      vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout->get(), 0, 1, &set, 0,
-                              nullptr);
-      vkCmdDispatch(commands, count, 1, 1);
-    }));
-  }
-
-  VkDescriptorSet make_set(VkDescriptorPool pool, VkDescriptorSetLayout layout,
-                           const std::array<BufferRange, 2>& buffers, const VkDescriptorImageInfo& sampled) {
-    const VkDevice owner = device().host().device;
-    auto info = vulkan_info<VkDescriptorSetAllocateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO);
-    info.descriptorPool = pool;
-    info.descriptorSetCount = 1;
-    info.pSetLayouts = &layout;
-    VkDescriptorSet set = VK_NULL_HANDLE;
-    EXPECT_EQ(vkAllocateDescriptorSets(owner, &info, &set), VK_SUCCESS);
-    std::array<VkDescriptorBufferInfo, 2> ranges{};
-    for (std::size_t i = 0; i < 2; ++i)
-      ranges[i] = {buffers[i].buffer, buffers[i].offset, buffers[i].byte_size};
-    auto write = vulkan_info<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
-    write.dstSet = set;
-    write.descriptorCount = 2;
-    write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-    write.pBufferInfo = ranges.data();
-    auto image = write;
-    image.dstBinding = 2;
-    image.descriptorCount = 1;
-    image.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-    image.pBufferInfo = nullptr;
-    image.pImageInfo = &sampled;
-    const std::array writes{write, image};
-    vkUpdateDescriptorSets(owner, 2, writes.data(), 0, nullptr);
-    return set;
-  }
-
-  VulkanHandle<VkPipeline> make_pipeline(VkPipelineLayout layout) {
-    const VkDevice owner = device().host().device;
-    auto code = vulkan_info<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
-    code.codeSize = sizeof sample_lightmap_probe_spirv;
-    code.pCode = sample_lightmap_probe_spirv;
-    VkShaderModule module = VK_NULL_HANDLE;
-    EXPECT_EQ(vkCreateShaderModule(owner, &code, nullptr, &module), VK_SUCCESS);
-    const VulkanHandle<VkShaderModule> module_owner(owner, module, vkDestroyShaderModule, nullptr);
-    auto info = vulkan_info<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
-    info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-    info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-    info.stage.module = module;
-    info.stage.pName = "main";
-    info.layout = layout;
-    VkPipeline pipeline = VK_NULL_HANDLE;
-    EXPECT_EQ(vkCreateComputePipelines(owner, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), VK_SUCCESS);
-    return {owner, pipeline, vkDestroyPipeline, nullptr};
   }
 };
 

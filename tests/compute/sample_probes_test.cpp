@@ -8,9 +8,8 @@
 #include <glm/geometric.hpp>
 
 #include "compute/pass_fixture.h"
-#include "compute/pipeline_objects.h"
+#include "compute/run_kernel.h"
 #include "compute/test_models.h"
-#include "compute/vulkan_info.h"
 #include "core/probe_coefficients.h"
 #include "spirv/sample_probes.h"
 
@@ -24,65 +23,7 @@ class SampleProbes : public PassTest {
  protected:
   /// Binds storage buffers 0, 1, ... and runs one invocation for each place.
   void run(const std::vector<BufferRange>& buffers, std::uint32_t places) {
-    const HostDevice host = device().host();
-    const auto functions = load_device_functions(host);
-    ASSERT_TRUE(functions);
-    const SetShape shape{.storage_buffers = std::uint32_t(buffers.size())};
-    const auto set_layout = make_set_layout(host, *functions, shape);
-    ASSERT_TRUE(set_layout);
-    const VkDescriptorSetLayout set_layout_of = set_layout->get();
-    const auto layout = make_pipeline_layout(host, *functions, {&set_layout_of, 1}, 0);
-    const auto pool = make_descriptor_pool(host, *functions, 1, shape);
-    ASSERT_TRUE(layout && pool);
-    const VkDescriptorSet set = make_set(pool->get(), set_layout_of, buffers);
-    const VulkanHandle<VkPipeline> pipeline = make_pipeline(layout->get());
-    EXPECT_TRUE(device().submit([&](VkCommandBuffer commands) {
-      vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.get());
-      vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout->get(), 0, 1, &set, 0,
-                              nullptr);
-      vkCmdDispatch(commands, places / kInvocations, 1, 1);
-    }));
-  }
-
- private:
-  VkDescriptorSet make_set(VkDescriptorPool pool, VkDescriptorSetLayout layout,
-                           const std::vector<BufferRange>& buffers) {
-    const VkDevice owner = device().host().device;
-    auto info = vulkan_info<VkDescriptorSetAllocateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO);
-    info.descriptorPool = pool;
-    info.descriptorSetCount = 1;
-    info.pSetLayouts = &layout;
-    VkDescriptorSet set = VK_NULL_HANDLE;
-    EXPECT_EQ(vkAllocateDescriptorSets(owner, &info, &set), VK_SUCCESS);
-    std::vector<VkDescriptorBufferInfo> ranges;
-    for (const BufferRange& buffer : buffers)
-      ranges.push_back({buffer.buffer, buffer.offset, buffer.byte_size});
-    auto write = vulkan_info<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
-    write.dstSet = set;
-    write.descriptorCount = std::uint32_t(ranges.size());
-    write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-    write.pBufferInfo = ranges.data();
-    vkUpdateDescriptorSets(owner, 1, &write, 0, nullptr);
-    return set;
-  }
-
-  VulkanHandle<VkPipeline> make_pipeline(VkPipelineLayout layout) {
-    const VkDevice owner = device().host().device;
-    auto code = vulkan_info<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
-    code.codeSize = sizeof sample_probes_spirv;
-    code.pCode = sample_probes_spirv;
-    VkShaderModule module = VK_NULL_HANDLE;
-    EXPECT_EQ(vkCreateShaderModule(owner, &code, nullptr, &module), VK_SUCCESS);
-    const VulkanHandle<VkShaderModule> module_owner(owner, module, vkDestroyShaderModule, nullptr);
-    auto info = vulkan_info<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
-    info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-    info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-    info.stage.module = module;
-    info.stage.pName = "main";
-    info.layout = layout;
-    VkPipeline pipeline = VK_NULL_HANDLE;
-    EXPECT_EQ(vkCreateComputePipelines(owner, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), VK_SUCCESS);
-    return {owner, pipeline, vkDestroyPipeline, nullptr};
+    run_kernel(device(), {sample_probes_spirv, buffers, places / kInvocations});
   }
 };
 

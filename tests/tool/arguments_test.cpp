@@ -81,6 +81,7 @@ TEST(Arguments, MisuseEndsWithStatus2AndASentence) {
        "expected a whole number of at least 1"},
       {{"compare", "a.relume", "--device", "reference"}, "expected vulkan[:NAME]"},
       {{"factors", "a.glb", "--by", "colour"}, "expected node or material"},
+      {{"solve", "a.relume", "-o", "b", "--bounds", "--systems", "hall"}, "--systems excludes --bounds"},
       {{"export", "a.relume"}, "expected --matrices, --glb or --debug"},
       {{"export", "a.relume", "--debug", "form_factors", "--at", "1,2"}, "expected X,Y,Z, found '1,2'"},
       {{"export", "a.relume", "--debug", "beauty"}, "found 'beauty'"},

@@ -203,23 +203,28 @@ double PathTracer::emitter_density(std::uint32_t triangle, double sign) const {
   return density_[triangle][sign > 0.0 ? 0 : 1];
 }
 
-Rgb PathTracer::emitted_by_area(const SurfacePoint3& at, Random& random) const {
-  if (emitters_.empty()) return Rgb(0.0);
+PathTracer::EmitterPoint PathTracer::choose_emitter(Random& random) const {
   const double choice = random();
   const auto chosen = std::find_if(emitters_.begin(), emitters_.end() - 1,
                                    [&](const EmittingSide& e) { return choice < e.cumulative; });
   const Triangle& triangle = triangles_[chosen->triangle];
   const double root = std::sqrt(random()), v = random();
   const glm::dvec3 normal = chosen->sign * triangle.normal;
-  const glm::dvec3 point =
-      triangle.corner + root * (1.0 - v) * triangle.edge1 + root * v * triangle.edge2 + lift_ * normal;
-  const glm::dvec3 way = point - at.position;
+  return {*chosen,
+          triangle.corner + root * (1.0 - v) * triangle.edge1 + root * v * triangle.edge2 + lift_ * normal,
+          normal};
+}
+
+Rgb PathTracer::emitted_by_area(const SurfacePoint3& at, Random& random) const {
+  if (emitters_.empty()) return Rgb(0.0);
+  const EmitterPoint chosen = choose_emitter(random);
+  const glm::dvec3 way = chosen.position - at.position;
   const double squared = glm::dot(way, way), distance = std::sqrt(squared);
   const double cos_receiver = glm::dot(way, at.normal) / distance,
-               cos_emitter = -glm::dot(way, normal) / distance;
-  if (cos_receiver <= 0.0 || cos_emitter <= 0.0 || blocked(at.position, point)) return Rgb(0.0);
-  const double by_area = chosen->density * squared / cos_emitter, by_direction = cos_receiver / kPi;
-  return triangle.exitance * (cos_receiver / kPi) / (by_area + by_direction);
+               cos_emitter = -glm::dot(way, chosen.normal) / distance;
+  if (cos_receiver <= 0.0 || cos_emitter <= 0.0 || blocked(at.position, chosen.position)) return Rgb(0.0);
+  const double by_area = chosen.side.density * squared / cos_emitter, by_direction = cos_receiver / kPi;
+  return triangles_[chosen.side.triangle].exitance * (cos_receiver / kPi) / (by_area + by_direction);
 }
 
 Rgb PathTracer::path(SurfacePoint3 at, glm::dvec3 direction, Random& random) const {
@@ -268,18 +273,12 @@ Rgb PathTracer::radiance(const glm::dvec3& origin, const glm::dvec3& direction, 
 
 PathTracer::Seen PathTracer::seen_emitter(const glm::dvec3& origin, Random& random) const {
   if (emitters_.empty()) return {};
-  const double choice = random();
-  const auto chosen = std::find_if(emitters_.begin(), emitters_.end() - 1,
-                                   [&](const EmittingSide& e) { return choice < e.cumulative; });
-  const Triangle& triangle = triangles_[chosen->triangle];
-  const double root = std::sqrt(random()), v = random();
-  const glm::dvec3 normal = chosen->sign * triangle.normal;
-  const glm::dvec3 point =
-      triangle.corner + root * (1.0 - v) * triangle.edge1 + root * v * triangle.edge2 + lift_ * normal;
-  const glm::dvec3 way = point - origin;
-  const double squared = glm::dot(way, way), cosine = -glm::dot(way, normal) / std::sqrt(squared);
-  if (cosine <= 0.0 || blocked(origin, point)) return {};
-  return {glm::normalize(way), triangle.exitance / kPi * (cosine / (squared * chosen->density))};
+  const EmitterPoint chosen = choose_emitter(random);
+  const glm::dvec3 way = chosen.position - origin;
+  const double squared = glm::dot(way, way), cosine = -glm::dot(way, chosen.normal) / std::sqrt(squared);
+  if (cosine <= 0.0 || blocked(origin, chosen.position)) return {};
+  return {glm::normalize(way),
+          triangles_[chosen.side.triangle].exitance / kPi * (cosine / (squared * chosen.side.density))};
 }
 
 namespace {

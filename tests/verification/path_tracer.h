@@ -89,6 +89,12 @@ class PathTracer {
   void find_emitters();
   bool closest(const glm::dvec3& origin, const glm::dvec3& direction, double far, Hit& hit) const;
   bool blocked(const glm::dvec3& from, const glm::dvec3& to) const;
+  struct EmitterPoint {
+    const EmittingSide& side;
+    glm::dvec3 position, normal;
+  };
+  /// By area. There must be an emitter.
+  EmitterPoint choose_emitter(Random& random) const;
   Rgb emitted_by_area(const SurfacePoint3& at, Random& random) const;
   double emitter_density(std::uint32_t triangle, double sign) const;
   struct Seen {

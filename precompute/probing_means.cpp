@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "precompute/probe_means.h"
+#include "precompute/probing_means.h"
 
 #include <algorithm>
 
 namespace relume {
 
-std::vector<ProbeValues> node_means(const SenderTree& senders, const std::vector<ProbeValues>& values) {
+std::vector<ProbingValues> node_means(const SenderTree& senders, const std::vector<ProbingValues>& values) {
   const ClusterTree& tree = senders.tree;
-  std::vector<ProbeValues> means(tree.nodes.size());
+  std::vector<ProbingValues> means(tree.nodes.size());
   std::vector<double> weights(tree.nodes.size());
   // Children stand after their parents.
   for (std::size_t n = tree.nodes.size(); n-- > 0;) {
@@ -19,22 +19,22 @@ std::vector<ProbeValues> node_means(const SenderTree& senders, const std::vector
     }
     weights[n] = weights[node.left] + weights[node.left + 1];
     const auto share = float(weights[node.left] / weights[n]);
-    for (std::size_t p = 0; p < kProbes; ++p)
+    for (std::size_t p = 0; p < kProbings; ++p)
       means[n][p] = share * means[node.left][p] + (1.0f - share) * means[node.left + 1][p];
   }
   return means;
 }
 
-std::vector<ProbeValues> coarser(const SenderTree& senders, std::size_t clusters,
-                                 const std::vector<ProbeValues>& values) {
+std::vector<ProbingValues> coarser(const SenderTree& senders, std::size_t clusters,
+                                   const std::vector<ProbingValues>& values) {
   constexpr std::uint32_t kOfTwiceTheSize = 4;
   const ClusterTree& tree = senders.tree;
-  const std::vector<ProbeValues> means = node_means(senders, values);
-  std::vector<ProbeValues> result = values;
+  const std::vector<ProbingValues> means = node_means(senders, values);
+  std::vector<ProbingValues> result = values;
   std::vector<std::uint32_t> open = tree.roots;
   while (!open.empty()) {
     const TreeNodeRange node = tree.nodes[open.back()];
-    const ProbeValues& mean = means[open.back()];
+    const ProbingValues& mean = means[open.back()];
     open.pop_back();
     if (node.first >= clusters) continue;
     if (node.count > kOfTwiceTheSize) {

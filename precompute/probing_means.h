@@ -8,11 +8,11 @@
 namespace relume {
 
 /// Means over the senders of each node of the tree, by weight; `values` per sender.
-std::vector<ProbeValues> node_means(const SenderTree& senders, const std::vector<ProbeValues>& values);
+std::vector<ProbingValues> node_means(const SenderTree& senders, const std::vector<ProbingValues>& values);
 
 /// Values of the first `clusters` senders replaced by the mean of up to four neighbours each, as a model of
 /// clusters of twice the size would have them.
-std::vector<ProbeValues> coarser(const SenderTree& senders, std::size_t clusters,
-                                 const std::vector<ProbeValues>& values);
+std::vector<ProbingValues> coarser(const SenderTree& senders, std::size_t clusters,
+                                   const std::vector<ProbingValues>& values);
 
 }  // namespace relume
