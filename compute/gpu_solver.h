@@ -125,7 +125,7 @@ struct ScreenFrame {
 /// A lightmap that is written when its system is complete.
 struct LightmapOutput {
   std::uint32_t system = 0;
-  const LightmapPass* pass = nullptr;  ///< bound to irradiance(system)
+  const LightmapPass* pass = nullptr;  ///< bound to irradiance(system), or to its directions as well
 };
 
 struct FrameInputs {

@@ -15,6 +15,7 @@
 #include "spirv/gather_tile_shared.h"
 #include "spirv/gather_tile_shuffle.h"
 #include "spirv/import_radiosity.h"
+#include "spirv/lightmap_direction.h"
 #include "spirv/lightmap_r11g11b10f.h"
 #include "spirv/lightmap_rgb9e5.h"
 #include "spirv/lightmap_rgba16f.h"
@@ -58,6 +59,8 @@ std::span<const std::uint32_t> kernel_code(KernelId kernel) {
       return probes_spirv;
     case KernelId::residual:
       return residual_spirv;
+    case KernelId::lightmap_direction:
+      return lightmap_direction_spirv;
     case KernelId::lightmap_rgba16f:
       return lightmap_rgba16f_spirv;
     case KernelId::lightmap_r11g11b10f:
@@ -112,6 +115,8 @@ const char* kernel_file_name(KernelId kernel) {
       return "probes";
     case KernelId::residual:
       return "residual";
+    case KernelId::lightmap_direction:
+      return "lightmap_direction";
     case KernelId::lightmap_rgba16f:
       return "lightmap_rgba16f";
     case KernelId::lightmap_r11g11b10f:

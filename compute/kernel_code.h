@@ -22,6 +22,7 @@ enum class KernelId : std::uint32_t {
   nodes,
   probes,
   residual,
+  lightmap_direction,
   lightmap_rgba16f,
   lightmap_r11g11b10f,
   lightmap_rgb9e5,

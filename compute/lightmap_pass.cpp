@@ -7,6 +7,7 @@
 
 #include "compute/pass_buffers.h"
 #include "compute/recording.h"
+#include "core/directional_irradiance.h"
 #include "kernels/shared/glsl_types.h"
 #include "kernels/shared/lightmap.h"
 #include "kernels/shared/limits.h"
@@ -31,6 +32,9 @@ FormatTraits traits_of(LightmapFormat format) {
               KernelId::lightmap_r11g11b10f};
     case LightmapFormat::rgb9e5:
       return {VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, VK_FORMAT_R32_UINT, kExtended, KernelId::lightmap_rgb9e5};
+    case LightmapFormat::direction_rgba16f:
+      return {VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R16G16B16A16_UINT, kMutable,
+              KernelId::lightmap_direction};
     case LightmapFormat::rgba16f:
       break;
   }
@@ -56,6 +60,13 @@ Result<LightmapPass> LightmapPass::create(const HostDevice& host, const System& 
   if (texels.texels.empty()) {
     return fail(ErrorCode::usage, "system '" + system.name + "' has no lumel that a lightmap could show");
   }
+  const bool shows_direction = format == LightmapFormat::direction_rgba16f;
+  if (shows_direction && !is_directional(system)) {
+    return fail(ErrorCode::usage,
+                "a lightmap of directions needs a model that has them (precompute "
+                "--directional), found none in system '" +
+                    system.name + "'");
+  }
   std::vector<BufferRequirement> buffers = buffers_for(system, texels);
   if (auto checked = check_storage_sizes(buffers); !checked) return tl::unexpected<Error>(checked.error());
   auto functions = load_device_functions(host);
@@ -77,6 +88,7 @@ Result<LightmapPass> LightmapPass::create(const HostDevice& host, const System& 
   pass.buffers_ = std::move(buffers);
   pass.texels_ = static_cast<std::uint32_t>(texels.texels.size());
   pass.input_bytes_ = system.lumels.size() * sizeof(kernels::vec4);
+  pass.shows_direction_ = shows_direction;
   return pass;
 }
 
@@ -84,19 +96,36 @@ Result<void> LightmapPass::bind(std::span<const BufferRange> ranges, const Light
                                 VkImageView storage_view) {
   auto fitted = fit_ranges(buffers_, ranges);
   if (!fitted) return tl::unexpected<Error>(fitted.error());
+  if (auto checked = check_moments(inputs); !checked) return checked;
   // Their offsets are those that the solver was bound with.
   const std::array<BufferRequirement, 2> inputs_needed{
       {{"irradiance", input_bytes_, sizeof(kernels::vec4), 0},
        {"direct irradiance", input_bytes_, sizeof(kernels::vec4), 0}}};
-  const auto read =
+  auto read =
       fit_ranges(inputs_needed, std::array{inputs.irradiance, inputs.direct.value_or(inputs.irradiance)});
   if (!read) return tl::unexpected<Error>(read.error());
+  if (inputs.moments) read->front().byte_size = inputs.irradiance.byte_size + inputs.moments->byte_size;
   fitted->insert(fitted->end(), read->begin(), read->end());
   const auto set = kernels_.make_set(*fitted, {}, {&storage_view, 1});
   if (!set) return tl::unexpected<Error>(set.error());
   set_ = *set;
   adds_direct_ = inputs.direct.has_value();
   return {};
+}
+
+Result<void> LightmapPass::check_moments(const LightmapInputs& inputs) const {
+  if (shows_direction_ != inputs.moments.has_value()) {
+    return fail(ErrorCode::usage, shows_direction_ ? "a lightmap of directions reads moments, found none"
+                                                   : "a lightmap of irradiance reads no moments");
+  }
+  if (!shows_direction_) return {};
+  if (inputs.direct) return fail(ErrorCode::usage, "a lightmap of directions shows indirect light alone");
+  const BufferRange &rows = inputs.irradiance, &moments = *inputs.moments;
+  if (moments.buffer == rows.buffer && moments.offset == rows.offset + rows.byte_size &&
+      moments.byte_size == 3 * rows.byte_size)
+    return {};
+  return fail(ErrorCode::usage,
+              "moments of a lightmap lie behind its irradiance and are three times as many");
 }
 
 void LightmapPass::record(VkCommandBuffer commands) const {

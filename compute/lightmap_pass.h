@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Irradiance of a system into the host's lightmap image, from which the host's shaders sample it
-// (kernels/include/relume_sample_lightmap.glsl).
+// Irradiance of a system, or where it comes from, into the host's lightmap image, from which the host's
+// shaders sample it (kernels/include/relume_sample_lightmap.glsl).
 //
 // The life of a pass: create; the host makes the image and its storage view as image() says, the buffers as
 // buffers() says, and binds both; it uploads lightmap_data once (compute/record_upload.h); then record, in
@@ -53,14 +53,17 @@ struct LightmapImage {
 /// What lightmap_pass reads, of the same system: four floats per gather row, as GpuSolver::irradiance.
 struct LightmapInputs {
   BufferRange irradiance;
-  std::optional<BufferRange> direct;  ///< added to it; absent: indirect light alone
+  std::optional<BufferRange> direct{};  ///< added to it; absent: indirect light alone
+  /// GpuSolver::directional_irradiance, which lies behind the irradiance: for directions, and for nothing
+  /// else.
+  std::optional<BufferRange> moments{};
 };
 
 class LightmapPass {
  public:
   /// Compiles the kernel of the format. `texels` is lightmap_texels(system); both are read, not kept. Fails
-  /// with usage when the system has no texel that carries a value, with no_device when a buffer is larger
-  /// than every device can bind (2^24 texels).
+  /// with usage when the system has no texel that carries a value, or directions are asked of one that has
+  /// none; with no_device when a buffer is larger than every device can bind (2^24 texels).
   static Result<LightmapPass> create(const HostDevice& host, const System& system,
                                      const LightmapTexels& texels, LightmapFormat format);
 
@@ -79,6 +82,8 @@ class LightmapPass {
   LightmapPass(const DeviceFunctions& functions, KernelSet kernels)
       : functions_(functions), kernels_(std::move(kernels)) {}
 
+  Result<void> check_moments(const LightmapInputs& inputs) const;
+
   DeviceFunctions functions_;
   KernelSet kernels_;
   LightmapImage image_;
@@ -86,6 +91,7 @@ class LightmapPass {
   std::uint32_t texels_ = 0;
   VkDeviceSize input_bytes_ = 0;  ///< of irradiance and direct
   bool adds_direct_ = false;
+  bool shows_direction_ = false;
   VkDescriptorSet set_ = VK_NULL_HANDLE;
 };
 

@@ -28,7 +28,8 @@ typedef struct relume_lightmap relume_lightmap;
 typedef enum relume_lightmap_format {
   RELUME_RGBA16F = 0,
   RELUME_R11G11B10F = 1,
-  RELUME_RGB9E5 = 2
+  RELUME_RGB9E5 = 2,
+  RELUME_DIRECTION_RGBA16F = 3 /* where most indirect light comes from, of files made with --directional */
 } relume_lightmap_format;
 
 /* What the host's image is made with, at least: 2D, optimal tiling, one layer, one sample. */

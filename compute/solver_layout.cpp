@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/directional_irradiance.h"
 #include "kernels/shared/limits.h"
 #include "kernels/shared/records.h"
 
@@ -179,8 +180,7 @@ Result<SystemLayout> system_layout(const Model& model, std::uint32_t index, cons
     if (sender.system == kSpanningNodes) layout.import_parts += model.top_tree[sender.index].part_count;
   }
   layout.gather_rows = system.gather.rows;
-  layout.directional = std::any_of(system.gather.blocks.begin(), system.gather.blocks.end(),
-                                   [](const MatrixBlock& block) { return !block.directions.empty(); });
+  layout.directional = is_directional(system);
   BufferList buffers(layout.buffers, "system " + std::to_string(index) + " ", limits.alignment);
   add_system_buffers(layout, buffers);
   layout.bounce = matrix_layout(system.bounce, "bounce", limits.alignment, buffers);

@@ -11,4 +11,4 @@ uvec4 packed(uvec3 bits) {
   return uvec4(pack_rgb9e5(bits.r, bits.g, bits.b), 0u, 0u, 0u);
 }
 
-#include "include/lightmap.glsl"
+#include "include/lightmap_irradiance.glsl"

@@ -11,4 +11,4 @@ uvec4 packed(uvec3 bits) {
   return uvec4(pack_half(bits.r), pack_half(bits.g), pack_half(bits.b), kHalfOne);
 }
 
-#include "include/lightmap.glsl"
+#include "include/lightmap_irradiance.glsl"

@@ -61,6 +61,7 @@ struct relume_solver {
 struct relume_lightmap {
   relume_solver* solver;
   std::uint32_t system;
+  relume::LightmapFormat format;
   relume::LightmapTexels texels;
   relume::LightmapPass pass;
   bool uploaded = false;

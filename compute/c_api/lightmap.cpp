@@ -13,11 +13,12 @@ relume_status relume_lightmap_create(relume_solver* solver, uint32_t system, rel
     if (auto loaded = c_api::check_loaded(*solver, system); !loaded) return loaded;
     const System& of = solver->model->systems[system];
     LightmapTexels texels = lightmap_texels(of);
-    auto pass = LightmapPass::create(solver->host, of, texels, static_cast<LightmapFormat>(format));
+    const auto stored = static_cast<LightmapFormat>(format);
+    auto pass = LightmapPass::create(solver->host, of, texels, stored);
     if (!pass) return tl::unexpected<Error>(pass.error());
     const LightmapImage& made = pass->image();
     *image = {made.format, made.storage_view_format, made.extent, made.usage, made.flags};
-    *lightmap = new relume_lightmap{solver, system, std::move(texels), std::move(*pass)};
+    *lightmap = new relume_lightmap{solver, system, stored, std::move(texels), std::move(*pass)};
     return {};
   });
 }
@@ -30,7 +31,9 @@ relume_status relume_lightmap_bind(relume_lightmap* lightmap, relume_allocate al
                                    int add_direct, VkImageView storage_view, relume_error* error) {
   return guarded(error, [&]() -> Result<void> {
     relume_solver& solver = *lightmap->solver;
-    LightmapInputs inputs{solver.solver.irradiance(lightmap->system), {}};
+    LightmapInputs inputs{solver.solver.irradiance(lightmap->system)};
+    if (lightmap->format == LightmapFormat::direction_rgba16f)
+      inputs.moments = solver.solver.directional_irradiance(lightmap->system);
     if (add_direct != 0) {
       const auto lights = solver.system_lights.find(lightmap->system);
       if (lights == solver.system_lights.end())

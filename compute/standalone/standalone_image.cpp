@@ -150,7 +150,7 @@ Result<std::vector<std::byte>> read_image(StandaloneDevice& device, const Device
 }
 
 VkDeviceSize texel_bytes(LightmapFormat format) {
-  return format == LightmapFormat::rgba16f ? 8 : 4;
+  return format == LightmapFormat::rgba16f || format == LightmapFormat::direction_rgba16f ? 8 : 4;
 }
 
 Result<DeviceImage> make_lightmap_target(StandaloneDevice& device, const LightmapImage& needed) {

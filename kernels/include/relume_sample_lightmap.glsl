@@ -14,8 +14,8 @@
 // linear filtering and one mip level stay inside them. The sampler is linear and clamps to the edge.
 //
 // Normal maps: where the file was precomputed with --directional, a second image has the dominant direction d of the
-// indirect irradiance in world space (`relume solve` writes SYSTEM.directional.exr; in a frame it follows from
-// GpuSolver::directional_irradiance, relume_dominant_direction below). Then
+// indirect irradiance in world space (`relume solve` writes SYSTEM.directional.exr; in a frame a LightmapPass of the format
+// direction_rgba16f writes it). Then
 //
 //   vec3 d = texture(directions, at).xyz;
 //   vec3 irradiance = relume_sample_irradiance(lightmap, at) * relume_bent_irradiance_factor(d, normal, shading_normal);
@@ -43,8 +43,8 @@ vec3 relume_sample_irradiance_level(sampler2D lightmap, vec2 at, float level) {
 }
 
 /// d from the moments of the irradiance along x, y and z (GpuSolver::directional_irradiance) and the irradiance itself:
-/// points to where most light comes from, in world space; its length, at most 1, tells how much of it. For an image with
-/// signed channels, RGBA16F or RGB10A2 with d / 2 + 1 / 2.
+/// points to where most light comes from, in world space; its length, at most 1, tells how much of it. For shaders that read
+/// the solver's buffer themselves.
 vec3 relume_dominant_direction(vec3 along_x, vec3 along_y, vec3 along_z, vec3 irradiance) {
   const vec3 luminance = vec3(0.2126, 0.7152, 0.0722);
   float whole = dot(irradiance, luminance);

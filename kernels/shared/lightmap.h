@@ -13,8 +13,9 @@ RELUME_SHARED_BEGIN
 const uint kLightmapTexelsBinding = 0u;
 const uint kLightmapLumelsBinding =
     1u;  // uint: row of the system's gather matrix; a texel is the mean of its rows
-const uint kLightmapIrradianceBinding = 2u;  // vec4 per gather row, lm/m2
-const uint kLightmapDirectBinding = 3u;      // vec4 per gather row, lm/m2; read when adds_direct is 1
+// vec4 per gather row, lm/m2; for directions three more per gather row behind them all: moments.
+const uint kLightmapIrradianceBinding = 2u;
+const uint kLightmapDirectBinding = 3u;  // vec4 per gather row, lm/m2; read when adds_direct is 1
 const uint kLightmapBuffers = 4u;
 const uint kLightmapImageBinding = 4u;  // rgba16ui or r32ui view of the lightmap
 

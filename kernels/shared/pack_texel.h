@@ -4,8 +4,8 @@
 // so GLSL and C++ give the same bits on every device, whatever its rounding mode and denormals (imageStore
 // may truncate).
 //
-// Every channel is given as the bits of a 32-bit float. NaN and numbers below zero become zero, numbers above
-// the largest of the format become the largest.
+// Every channel is given as the bits of a 32-bit float. NaN and numbers below zero (but for pack_signed_half)
+// become zero, numbers above the largest of the format become the largest.
 //
 //   rgba16f     sign, 5 bits of exponent, 10 of mantissa; largest 65504
 //   r11g11b10f  5 bits of exponent, 6, 6, 5 of mantissa; largest 65024, 65024, 64512; red in the low bits
@@ -43,6 +43,11 @@ RELUME_SHARED_FUNCTION uint pack_small_float(uint bits, uint mantissa_bits) {
 
 RELUME_SHARED_FUNCTION uint pack_half(uint bits) {
   return pack_small_float(bits, 10u);
+}
+
+/// NaN becomes zero here too; what lies below the lowest becomes the lowest.
+RELUME_SHARED_FUNCTION uint pack_signed_half(uint bits) {
+  return pack_half(bits & 0x7fffffffu) | ((bits >> 16u) & 0x8000u);
 }
 
 RELUME_SHARED_FUNCTION uint pack_r11g11b10f(uint red, uint green, uint blue) {

@@ -13,11 +13,6 @@ namespace {
 
 constexpr double kMostFactor = 4.0;
 
-bool has_directions(const System& system) {
-  return std::any_of(system.gather.blocks.begin(), system.gather.blocks.end(),
-                     [](const MatrixBlock& block) { return !block.directions.empty(); });
-}
-
 IrradianceMoments row_moments(const MatrixBlock& block, std::uint32_t row, const std::vector<Rgb>& imports) {
   IrradianceMoments sums{};
   if (block.directions.empty()) return sums;
@@ -34,8 +29,14 @@ IrradianceMoments row_moments(const MatrixBlock& block, std::uint32_t row, const
 
 }  // namespace
 
+bool is_directional(const System& system) {
+  return std::any_of(system.gather.blocks.begin(), system.gather.blocks.end(),
+                     [](const MatrixBlock& block) { return !block.directions.empty(); });
+}
+
 bool is_directional(const Model& model) {
-  return std::any_of(model.systems.begin(), model.systems.end(), has_directions);
+  return std::any_of(model.systems.begin(), model.systems.end(),
+                     [](const System& system) { return is_directional(system); });
 }
 
 std::vector<IrradianceMoments> directional_irradiance(const Model& model, const Lighting& lighting,

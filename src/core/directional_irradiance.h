@@ -25,6 +25,7 @@ using IrradianceMoments = std::array<Rgb, 3>;
 
 /// Whether the gather matrix of any of its systems has directions.
 bool is_directional(const Model& model);
+bool is_directional(const System& system);
 
 /// Per gather row; none where the model is not directional. `radiosity` per cluster; the model is valid, the
 /// lighting fits it.

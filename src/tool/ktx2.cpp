@@ -91,6 +91,7 @@ Description description_of(LightmapFormat format) {
     case LightmapFormat::rgb9e5:
       return {VK_FORMAT_E5B9G9R9_UFLOAT_PACK32, 4, 4, shared_exponent_samples()};
     case LightmapFormat::rgba16f:
+    case LightmapFormat::direction_rgba16f:
       break;
   }
   return {VK_FORMAT_R16G16B16A16_SFLOAT,
@@ -142,9 +143,14 @@ Bytes texels_of(const ColorImage& image, LightmapFormat format) {
     const std::uint32_t red = bits(pixel.r), green = bits(pixel.g), blue = bits(pixel.b);
     if (format == LightmapFormat::r11g11b10f) out.put(kernels::pack_r11g11b10f(red, green, blue));
     if (format == LightmapFormat::rgb9e5) out.put(kernels::pack_rgb9e5(red, green, blue));
-    if (format != LightmapFormat::rgba16f) continue;
-    out.put(kernels::pack_half(red) | (kernels::pack_half(green) << 16));
-    out.put(kernels::pack_half(blue) | (kernels::kHalfOne << 16));
+    if (format == LightmapFormat::rgba16f) {
+      out.put(kernels::pack_half(red) | (kernels::pack_half(green) << 16));
+      out.put(kernels::pack_half(blue) | (kernels::kHalfOne << 16));
+    }
+    if (format == LightmapFormat::direction_rgba16f) {
+      out.put(kernels::pack_signed_half(red) | (kernels::pack_signed_half(green) << 16));
+      out.put(kernels::pack_signed_half(blue) | (kernels::kHalfOne << 16));
+    }
   }
   return out;
 }

@@ -57,7 +57,7 @@ Result<void> add_lightmaps(const Model& model, std::span<const Rgb> direct, std:
 
 /// Dominant directions of the indirect irradiance, of models that have them.
 Result<void> add_directional(const Model& model, std::span<const Rgb> indirect,
-                             const std::vector<IrradianceMoments>& moments, OutputFolder& folder) {
+                             const std::vector<IrradianceMoments>& moments, bool ktx2, OutputFolder& folder) {
   if (moments.empty()) return {};
   std::vector<Rgb> directions;
   for (std::size_t row = 0; row < moments.size(); ++row)
@@ -66,8 +66,9 @@ Result<void> add_directional(const Model& model, std::span<const Rgb> indirect,
   for (std::size_t s = 0; s < model.systems.size(); ++s) {
     if (model.systems[s].lightmap_width == 0) continue;
     const ColorImage image = lightmap_image(model.systems[s], lumels_of(model, s, directions));
-    const auto added = folder.add("lightmaps/" + names[s] + ".directional.exr", encode_exr(image));
-    if (!added) return added;
+    const std::string stem = "lightmaps/" + names[s] + ".directional";
+    if (const auto added = folder.add(stem + ".exr", encode_exr(image)); !added) return added;
+    if (ktx2) folder.add(stem + ".ktx2", encode_ktx2(image, LightmapFormat::direction_rgba16f));
   }
   return {};
 }
@@ -143,7 +144,8 @@ Result<void> make_solve_outputs(const Model& model, const LightingSetup& setup, 
   const std::vector<Rgb>& indirect = outcome.gathered;
   const std::vector<Rgb>& direct = setup.gather_direct;
   if (const auto added = add_lightmaps(model, direct, indirect, ktx2, folder, console); !added) return added;
-  if (const auto added = add_directional(model, indirect, outcome.moments, folder); !added) return added;
+  if (const auto added = add_directional(model, indirect, outcome.moments, ktx2.has_value(), folder); !added)
+    return added;
   if (bracket) {
     const auto added = add_bounds(model, indirect, bracket->irradiance, folder, console);
     if (!added) return added;

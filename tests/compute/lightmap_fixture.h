@@ -26,7 +26,8 @@ inline System lumels_in_rows(std::size_t count, std::uint32_t width) {
 
 class LightmapTest : public PassTest {
  protected:
-  /// The image after one pass over these values, as kImageWritten; nothing when something failed.
+  /// The image after one pass over these values, as kImageWritten; nothing when something failed. For
+  /// directions the moments follow in `irradiance`.
   std::optional<HostImage> written(const System& system, LightmapFormat format,
                                    const std::vector<glm::vec3>& irradiance,
                                    const std::vector<glm::vec3>& direct = {}) {
@@ -36,10 +37,15 @@ class LightmapTest : public PassTest {
     if (!pass) return {};
     HostImage image = make_lightmap_image(device(), pass->image());
     const std::vector<BufferRange> ranges = allocate(pass->buffers());
-    LightmapInputs inputs{allocate("irradiance", 16 * irradiance.size()), {}};
+    const BufferRange rows = allocate("irradiance", 16 * irradiance.size());
+    LightmapInputs inputs{rows};
+    if (format == LightmapFormat::direction_rgba16f) {
+      inputs.irradiance.byte_size = rows.byte_size / 4;
+      inputs.moments = BufferRange{rows.buffer, rows.offset + rows.byte_size / 4, rows.byte_size / 4 * 3};
+    }
     if (!direct.empty()) inputs.direct = allocate("direct", 16 * direct.size());
     upload(ranges, lightmap_data(texels));
-    upload(inputs.irradiance, device_rows(irradiance));
+    upload(rows, device_rows(irradiance));
     if (inputs.direct) upload(*inputs.direct, device_rows(direct));
 
     const auto bound =

@@ -30,7 +30,7 @@ class LightmapPassTest : public LightmapTest {
 
  private:
   std::vector<Rgb> decoded(HostImage& image, LightmapFormat format) {
-    const bool wide = format == LightmapFormat::rgba16f;
+    const bool wide = format == LightmapFormat::rgba16f || format == LightmapFormat::direction_rgba16f;
     const std::vector<std::byte> bytes = image.download(device(), kImageWritten, wide ? 8 : 4);
     std::vector<Rgb> colors;
     for (std::size_t at = 0; at < bytes.size(); at += wide ? 8 : 4) {
@@ -124,6 +124,34 @@ TEST_F(LightmapPassTest, FillsAndDilates) {
                                         1.0, 2.5, 4.0, 4.0, 4.0, 4.0, 4.0, 0.0));
 }
 
+// A: grey light of 2 lux from (0.5, -0.25, 0). B: blue light, from its own direction whatever the red one is,
+// of which there is none. Between them the mean of both lights: 2 + 4 lux, moments of A and B together. The
+// last is dark.
+TEST_F(LightmapPassTest, ShowsWhereLightComesFrom) {
+  System system;
+  system.name = "room";
+  system.lightmap_width = 4;
+  system.lightmap_height = 1;
+  system.lumels = {{0, 0, 0, 0}, {1, 0, 0, kLumelInvalid}, {2, 0, 0, 0}, {3, 0, 0, 0}};
+  system.gather.blocks.resize(1);
+  system.gather.blocks[0].directions = {0};
+  const float blue = 4.0f / 0.0722f;
+  const std::vector<glm::vec3> zero(3, glm::vec3(0.0f));
+  std::vector<glm::vec3> rows{glm::vec3(2.0f), glm::vec3(9.0f), {0.0f, 0.0f, blue}, glm::vec3(0.0f)};
+  const std::vector<glm::vec3> moments_of_a{glm::vec3(1.0f), glm::vec3(-0.5f), glm::vec3(0.0f)};
+  const std::vector<glm::vec3> moments_of_b{glm::vec3(0.0f), {0.0f, 0.0f, blue}, {0.0f, 0.0f, -blue}};
+  for (const auto& moments : {moments_of_a, zero, moments_of_b, zero})
+    rows.insert(rows.end(), moments.begin(), moments.end());
+
+  const std::vector<Rgb> d = shown(system, LightmapFormat::direction_rgba16f, rows);
+  ASSERT_EQ(d.size(), 4u);
+  const double unit = std::sqrt(0.5);  // B is longer than 1: |D| <= I holds for no real light there
+  EXPECT_LT(glm::distance(d[0], Rgb(0.5, -0.25, 0.0)), 1e-3);
+  EXPECT_LT(glm::distance(d[1], Rgb(1.0, 3.5, -4.0) / 6.0), 1e-3);
+  EXPECT_LT(glm::distance(d[2], Rgb(0.0, unit, -unit)), 1e-3);
+  EXPECT_EQ(d[3], Rgb(0.0));
+}
+
 TEST_F(LightmapPassTest, AddsDirectLight) {
   const std::vector<Rgb> texels =
       shown(lumels_in_rows(2, 2), LightmapFormat::rgb9e5, {{1.0f, 2.0f, 3.0f}, {0.0f, 0.0f, 8.0f}},
@@ -159,6 +187,10 @@ TEST_F(LightmapPassTest, RefusesWhatDoesNotFit) {
   const auto few = pass->bind({}, {}, VK_NULL_HANDLE);
   ASSERT_FALSE(few);
   EXPECT_THAT(few.error().message, HasSubstr("2 buffers, found 0"));
+  const auto directions =
+      LightmapPass::create(device().host(), system, texels, LightmapFormat::direction_rgba16f);
+  ASSERT_FALSE(directions);
+  EXPECT_THAT(directions.error().message, HasSubstr("precompute --directional"));
   const std::vector<BufferRange> ranges = allocate(pass->buffers());
   const BufferRange small = allocate("irradiance", 48);
   const auto short_input = pass->bind(ranges, {small, {}}, VK_NULL_HANDLE);

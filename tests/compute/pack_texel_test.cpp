@@ -24,6 +24,15 @@ std::uint32_t rgb9e5(float r, float g, float b) {
   return kernels::pack_rgb9e5(bits(r), bits(g), bits(b));
 }
 
+TEST(SignedHalf, HasASignAndElseTheBitsOfTheUnsigned) {
+  const auto pack = [](float value) { return kernels::pack_signed_half(bits(value)); };
+  EXPECT_EQ(pack(1.0f), 0x3c00u);
+  EXPECT_EQ(pack(-1.0f), 0xbc00u);
+  EXPECT_EQ(pack(-0.75f), 0xba00u);
+  EXPECT_EQ(pack(-kInfinity), 0xfbffu);  // -65504
+  EXPECT_EQ(pack(kNan), 0u);
+}
+
 class SmallFloat : public testing::TestWithParam<std::uint32_t> {
  protected:
   std::uint32_t mantissa_bits() const { return GetParam(); }

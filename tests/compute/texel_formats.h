@@ -18,8 +18,12 @@ inline double small_float(std::uint32_t code, int mantissa_bits) {
   return exponent == 0 ? std::ldexp(mantissa, -14) : std::ldexp(1.0 + mantissa, exponent - 15);
 }
 
+inline double signed_half(std::uint16_t code) {
+  return (code & 0x8000u) != 0 ? -small_float(code & 0x7fffu, 10) : small_float(code, 10);
+}
+
 inline Rgb decode_rgba16f(const std::array<std::uint16_t, 4>& codes) {
-  return {small_float(codes[0], 10), small_float(codes[1], 10), small_float(codes[2], 10)};
+  return {signed_half(codes[0]), signed_half(codes[1]), signed_half(codes[2])};
 }
 
 inline Rgb decode_r11g11b10f(std::uint32_t word) {

@@ -152,6 +152,16 @@ TEST(Ktx2, HalvesAreWhatTheSpecificationSays) {
   EXPECT_EQ(value_at<std::uint16_t>(file.level, 6), 0x3c00u);  // alpha 1
 }
 
+TEST(Ktx2, DirectionsKeepTheirSigns) {
+  ColorImage image(1, 1);
+  image.at(0, 0) = {-0.75f, 0.5f, -1.0f};
+  const Ktx2 file = read(encode_ktx2(image, LightmapFormat::direction_rgba16f));
+  EXPECT_EQ(file.format, 97u);
+  ASSERT_EQ(file.level.size(), 8u);
+  EXPECT_EQ((value_at<std::array<std::uint16_t, 4>>(file.level, 0)),
+            (std::array<std::uint16_t, 4>{0xba00, 0x3800, 0xbc00, 0x3c00}));
+}
+
 TEST(Ktx2, SmallFloatsAreWhatTheSpecificationSays) {
   const Ktx2 file = read(encode_ktx2(sketch(), LightmapFormat::r11g11b10f));
   EXPECT_EQ(file.format, 122u);  // VK_FORMAT_B10G11R11_UFLOAT_PACK32
