@@ -88,13 +88,17 @@ Result<void> measure_stages(Bench& bench, FrameSession& session) {
   return {};
 }
 
-/// What direct light takes when nothing, one, or all of 8 lamps have moved since the last frame.
-Result<void> measure_moved_lights(Bench& bench, FrameSession& session) {
-  constexpr std::size_t kLamps = 8;
+std::vector<Light> circle_of_lamps(const LampPlace& place) {
   std::vector<Light> lamps;
-  for (std::size_t i = 0; i < kLamps; ++i) lamps.push_back(lamp_at(bench.place, 0.78 * double(i)));
+  for (std::size_t i = 0; i < 8; ++i) lamps.push_back(lamp_at(place, 0.78 * double(i)));
+  return lamps;
+}
+
+/// What direct light takes when nothing, one, or all of 8 lamps have moved since the last frame.
+Result<void> measure_moved_lights(Bench& bench, FrameSession& session, const std::string& rays_of) {
+  std::vector<Light> lamps = circle_of_lamps(bench.place);
   if (auto all = session.frame({.lights = lamps}); !all) return tl::unexpected(all.error());
-  for (const std::size_t moved : {std::size_t{0}, std::size_t{1}, kLamps}) {
+  for (const std::size_t moved : {std::size_t{0}, std::size_t{1}, lamps.size()}) {
     std::vector<double> milliseconds, per_lamp, rays;
     for (std::uint32_t r = 0; r < bench.options.repetitions; ++r) {
       for (std::size_t i = 0; i < moved; ++i) lamps[i].position.y += 0.01 * bench.place.radius;
@@ -104,11 +108,41 @@ Result<void> measure_moved_lights(Bench& bench, FrameSession& session) {
       rays.push_back(double(shown->shadow_rays));
       if (moved > 0) per_lamp.push_back(milliseconds.back() / double(moved));
     }
-    const std::string name = fmt::format("{} of {} lamps moved", moved, kLamps);
+    const std::string name = fmt::format("{} of {} lamps moved, {}", moved, lamps.size(), rays_of);
     bench.add(name + ", direct light", "ms", milliseconds);
     if (moved > 0) bench.add(name + ", each", "ms", per_lamp);
     bench.add(name + ", shadow rays", "rays", rays);
   }
+  return {};
+}
+
+/// The same with few shadow rays, and what that changes of the indirect irradiance that lamps bring.
+Result<void> measure_few_rays(Bench& bench, FrameSession& session) {
+  constexpr double kFew = 2.0;
+  constexpr std::uint32_t kConverged = 40;
+  FrameSessionOptions options = frame_options(bench.device, bench.model);
+  options.patches_per_element = kFew;
+  auto few = FrameSession::create(bench.device, bench.model, options);
+  if (!few) return tl::unexpected(few.error());
+  if (auto done = measure_moved_lights(bench, *few, fmt::format("{} rays a lumel", kFew)); !done) return done;
+  const std::vector<Light> lamps = circle_of_lamps(bench.place);
+  const auto stored = scaled(bench.model.materials.size(), 1.0);
+  std::vector<double> differences;
+  for (const Light& lamp : lamps) {
+    std::vector<std::vector<Rgb>> irradiance;
+    for (FrameSession* of : {&session, &*few}) {
+      const auto shown = of->frame({.lights = {&lamp, 1},
+                                    .materials = stored,
+                                    .sky = bench.lighting.sky_radiosity,
+                                    .bounces = kConverged});
+      if (!shown) return tl::unexpected(shown.error());
+      auto read = of->read_irradiance();
+      if (!read) return tl::unexpected(read.error());
+      irradiance.push_back(std::move(*read));
+    }
+    differences.push_back(relative_difference(irradiance[1], irradiance[0]));
+  }
+  bench.add(fmt::format("{} rays a lumel change indirect irradiance by", kFew), "", differences);
   return {};
 }
 
@@ -214,7 +248,9 @@ Result<void> measure(Bench& bench, const Scene& scene) {
   bench.add("entries of a bounce and a gather", "", {double(session->entries())});
   if (auto right = check_frame(*session, bench.model, bench.lights, bench.lighting); !right) return right;
   if (auto done = measure_stages(bench, *session); !done) return done;
-  if (auto done = measure_moved_lights(bench, *session); !done) return done;
+  const std::string all_rays = fmt::format("{} rays a lumel", kPatchesPerElement);
+  if (auto done = measure_moved_lights(bench, *session, all_rays); !done) return done;
+  if (auto done = measure_few_rays(bench, *session); !done) return done;
   if (auto done = measure_first_frame(bench); !done) return done;
   return measure_albedos(bench, scene);
 }

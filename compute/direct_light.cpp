@@ -241,7 +241,7 @@ Result<DirectLight> DirectLight::create(const HostDevice& host, const Model& mod
   const auto limits = device_limits(host);
   if (!limits) return tl::unexpected<Error>(limits.error());
   const std::vector<std::uint32_t> systems = chosen_systems(model, asked);
-  const LightSurfaces surfaces = light_surfaces(model, systems);
+  const LightSurfaces surfaces = light_surfaces(model, systems, asked.patches_per_element);
   const LightTables tables = light_tables(surfaces);
   DirectLightOptions options = asked;
   options.max_pairs = pair_limit(options, surfaces.blocks.size(), limits->maxStorageBufferRange);
@@ -312,7 +312,7 @@ UploadData DirectLight::model_data(const Model& model, bool occluders) const {
     add_piece(data, kLightTriangles, leaf_triangles(model.occluders));
     add_piece(data, kLightOpacity, opacity_words(model.occluders.opacity));
   }
-  const LightSurfaces surfaces = light_surfaces(model, state_->systems);
+  const LightSurfaces surfaces = light_surfaces(model, state_->systems, state_->options.patches_per_element);
   add_piece(data, kLightPieces, surfaces.pieces);
   add_piece(data, kLightPatches, surfaces.patches);
   add_piece(data, kLightElements, surfaces.elements);

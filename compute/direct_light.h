@@ -32,6 +32,7 @@
 #include "compute/light_schedule.h"
 #include "compute/solver_options.h"
 #include "compute/upload.h"
+#include "core/light_patches.h"
 #include "core/model.h"
 #include "core/result.h"
 
@@ -42,6 +43,9 @@ enum class LightVisibility : std::uint32_t { traced, mask };
 struct DirectLightOptions {
   std::vector<std::uint32_t> systems{};  ///< ascending; empty: all that are loaded
   LightVisibility visibility = LightVisibility::traced;
+  /// About how many shadow rays a light costs for each lumel (more close to it), at most kPatchesPerElement.
+  /// Two are enough for what light does indirectly; penumbras of direct light in a lightmap want them all.
+  double patches_per_element = kPatchesPerElement;
   std::uint32_t max_lights = 16384;
   /// A light counts one pair for each block of up to 32 elements that it may reach (LightSchedule::pairs_of);
   /// 128 bytes each. 0: room for 64 lights that reach everything, and at least 262,144.

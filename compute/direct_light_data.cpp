@@ -68,7 +68,8 @@ class BlockFacts {
 /// Adds one system after the other.
 class SurfaceWriter {
  public:
-  explicit SurfaceWriter(const Model& model) : model_(model) {}
+  SurfaceWriter(const Model& model, double patches_per_element)
+      : model_(model), patches_per_element_(patches_per_element) {}
 
   void add(const System& system) {
     const auto first_element = static_cast<std::uint32_t>(out_.elements.size());
@@ -95,29 +96,22 @@ class SurfaceWriter {
   void add_element(const System& system, const SurfaceElement& element, std::uint32_t first_cluster,
                    std::size_t& next_patch) {
     const auto first_piece = static_cast<std::uint32_t>(out_.pieces.size());
+    const ElementPatches own = own_patches(model_, system, element, next_patch, patches_per_element_);
+    next_patch += own.stored_count;
     std::vector<std::uint32_t> patches;
     double area = 0.0;
-    bool all = true;
-    std::vector<std::pair<glm::dvec3, glm::dvec3>> facts;
-    for (std::uint32_t p = 0; p < element.piece_count; ++p) {
-      const LightPatch piece = whole_piece(model_, system, element, p);
-      const int rows = patch_rows(area_of(piece.corners), element.area);
-      for (int index = 0; index < rows * rows; ++index) {
-        if (!owns_patch(system, next_patch++)) {
-          all = false;
-          continue;
-        }
-        patches.push_back((first_piece + p) << 4 | static_cast<std::uint32_t>(index));
-        area += area_of(patch_of_piece(piece, rows, index).corners);
-      }
-      for (const glm::dvec3& at : piece.corners) facts.emplace_back(at, piece.normal);
-      out_.pieces.push_back({corner(piece.corners[0], static_cast<std::uint32_t>(rows)),
-                             corner(piece.corners[1], piece.key), corner(piece.corners[2]),
-                             corner(piece.normal)});
+    for (const ElementPatches::Patch& patch : own.patches) {
+      const ElementPatches::Piece& piece = own.pieces[patch.piece];
+      patches.push_back((first_piece + patch.piece) << 4 | static_cast<std::uint32_t>(patch.index));
+      area += area_of(patch_of_piece(piece.whole, piece.rows, patch.index).corners);
     }
-    for (std::size_t i = first_piece; !all && i < out_.pieces.size(); ++i) {
-      float& flags = out_.pieces[i].a.w;
-      flags = as_float(std::bit_cast<std::uint32_t>(flags) | kernels::kPieceUncut);
+    std::vector<std::pair<glm::dvec3, glm::dvec3>> facts;
+    for (const ElementPatches::Piece& piece : own.pieces) {
+      const auto& [a, b, c] = piece.whole.corners;
+      const std::uint32_t flags = std::uint32_t(piece.rows) | (own.lost_some ? kernels::kPieceUncut : 0);
+      for (const glm::dvec3& at : piece.whole.corners) facts.emplace_back(at, piece.whole.normal);
+      out_.pieces.push_back(
+          {corner(a, flags), corner(b, piece.whole.key), corner(c), corner(piece.whole.normal)});
     }
     const std::uint32_t cluster = first_cluster + element.cluster;
     const bool joins = block_.element_count == 0 || cluster + 1 == block_.end_cluster ||
@@ -173,6 +167,7 @@ class SurfaceWriter {
   }
 
   const Model& model_;
+  double patches_per_element_;
   LightSurfaces out_;
   std::vector<double> cluster_areas_;  ///< of the system that is added
   LightBlock block_;
@@ -181,8 +176,9 @@ class SurfaceWriter {
 
 }  // namespace
 
-LightSurfaces light_surfaces(const Model& model, const std::vector<std::uint32_t>& systems) {
-  SurfaceWriter writer(model);
+LightSurfaces light_surfaces(const Model& model, const std::vector<std::uint32_t>& systems,
+                             double patches_per_element) {
+  SurfaceWriter writer(model, patches_per_element);
   for (const std::uint32_t system : systems) writer.add(model.systems[system]);
   return std::move(writer).finish();
 }

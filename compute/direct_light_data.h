@@ -24,8 +24,9 @@ struct LightSurfaces {
   std::vector<std::uint32_t> gather_rows;  ///< element
 };
 
-/// `systems` are loaded.
-LightSurfaces light_surfaces(const Model& model, const std::vector<std::uint32_t>& systems);
+/// `systems` are loaded. `patches_per_element`: as DirectLightOptions.
+LightSurfaces light_surfaces(const Model& model, const std::vector<std::uint32_t>& systems,
+                             double patches_per_element);
 
 /// The words of the tables; where clusters and gather rows begin is in the layout of LightTables.
 struct LightTables {

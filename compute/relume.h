@@ -182,6 +182,7 @@ typedef struct relume_light_options {
   uint32_t max_lights; /* 0: 16384 */
   uint32_t max_pairs;  /* of a light and a block of surfaces: see DirectLightOptions. 0: for 64 far lights */
   int by_mask;         /* not 0: nothing is traced, the host writes relume_light_mask */
+  double patches_per_element; /* about so many shadow rays a light and lumel, at most 16; 0: 16 */
 } relume_light_options;
 
 /* Direct light with shadows for a loaded system, traced on the device. Without it the host writes

@@ -27,11 +27,14 @@ struct Surroundings {
   const RayCaster& caster;
   Geometry geometry;  ///< origin, positions, triangles, normals, bounds and offset only
   std::vector<Light> lights;
+  double patches_per_element = kPatchesPerElement;
   float far = 0.0f;  ///< m, beyond everything
 };
 
-Surroundings make_surroundings(const Model& model, const RayCaster& caster, std::span<const Light> lights) {
-  Surroundings around{model, caster, occluder_geometry(model), {lights.begin(), lights.end()}};
+Surroundings make_surroundings(const Model& model, const RayCaster& caster, std::span<const Light> lights,
+                               double patches_per_element) {
+  Surroundings around{
+      model, caster, occluder_geometry(model), {lights.begin(), lights.end()}, patches_per_element};
   for (Light& light : around.lights) light.position -= model.origin;
   around.far = 2.0f * glm::length(around.geometry.upper - around.geometry.lower);
   return around;
@@ -58,13 +61,14 @@ class ElementLight {
   ElementLight(const Surroundings& around, const System& system, const SurfaceElement& element,
                std::size_t first_patch)
       : around_(around) {
-    const std::vector<LightPatch> all = element_patches(around.model, system, element);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      if (!owns_patch(system, first_patch + i)) continue;
-      patches_.push_back(all[i]);
-      area_ += area_of(all[i].corners);
+    const ElementPatches own =
+        own_patches(around.model, system, element, first_patch, around.patches_per_element);
+    for (const ElementPatches::Patch& patch : own.patches) {
+      const ElementPatches::Piece& piece = own.pieces[patch.piece];
+      patches_.push_back(patch_of_piece(piece.whole, piece.rows, patch.index));
+      area_ += area_of(patches_.back().corners);
     }
-    if (patches_.size() < all.size()) max_cuts_ = 0;
+    if (own.lost_some) max_cuts_ = 0;
   }
 
   /// Mean over the patches that belong to the element.
@@ -155,12 +159,12 @@ void append_system(const Surroundings& around, const System& system, DirectIrrad
 }  // namespace
 
 Result<DirectIrradiance> direct_irradiance(const Model& model, std::span<const Light> lights,
-                                           std::uint32_t threads) {
+                                           std::uint32_t threads, double patches_per_element) {
   try {
     const auto caster =
         RayCaster::create(model.occluders.positions, model.occluders.triangles, model.occluders.opacity);
     if (!caster) return tl::unexpected(caster.error());
-    const Surroundings around = make_surroundings(model, *caster, lights);
+    const Surroundings around = make_surroundings(model, *caster, lights, patches_per_element);
     DirectIrradiance result;
     tbb::task_arena arena(arena_threads(threads));
     arena.execute([&] {

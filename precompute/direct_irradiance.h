@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/light.h"
+#include "core/light_patches.h"
 #include "core/model.h"
 #include "core/quantities.h"
 #include "core/result.h"
@@ -25,9 +26,10 @@ struct DirectIrradiance {
 /// without noise: of a ray that meets several sheets, the product. Where alpha cuts holes into a lumel, H is
 /// the mean over all of it, and counts for the solid part. H of a cluster is the area mean of its elements;
 /// sensors are points, lifted as the precompute lifts them. Double precision but for rays;
-/// compute/direct_light.h does the same on a device. The same for any number of threads (0 = all). Fails when
-/// memory runs out.
+/// compute/direct_light.h does the same on a device. The same for any number of threads (0 = all).
+/// `patches_per_element`: at most kPatchesPerElement, a ray each. Fails when memory runs out.
 Result<DirectIrradiance> direct_irradiance(const Model& model, std::span<const Light> lights,
-                                           std::uint32_t threads = 0);
+                                           std::uint32_t threads = 0,
+                                           double patches_per_element = kPatchesPerElement);
 
 }  // namespace relume

@@ -78,6 +78,7 @@ DirectLightOptions light_options(std::uint32_t system, const relume_light_option
   if (wanted == nullptr) return options;
   if (wanted->max_lights > 0) options.max_lights = wanted->max_lights;
   options.max_pairs = wanted->max_pairs;
+  if (wanted->patches_per_element > 0.0) options.patches_per_element = wanted->patches_per_element;
   if (wanted->by_mask != 0) options.visibility = LightVisibility::mask;
   return options;
 }

@@ -142,6 +142,7 @@ Result<DirectLight> FrameSession::State::make_light(const Model& model, std::uin
   DirectLightOptions asked;
   asked.systems = {system};
   asked.max_pairs = options.max_pairs;
+  asked.patches_per_element = options.patches_per_element;
   auto light = DirectLight::create(device->host(), model, asked);
   if (!light) return light;
   const bool first = occluders.empty();

@@ -28,6 +28,7 @@ struct FrameSessionOptions {
   MaterialPassOptions materials{};
   LightmapFormat lightmaps = LightmapFormat::rgba16f;  ///< of direct and indirect light together
   std::uint32_t max_pairs = 0;                         ///< of each system: DirectLightOptions
+  double patches_per_element = kPatchesPerElement;     ///< likewise
 };
 
 /// What is shown from this frame on.

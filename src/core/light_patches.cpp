@@ -49,8 +49,8 @@ LightPatch whole_piece(const Model& model, const System& system, const SurfaceEl
   return whole;
 }
 
-int patch_rows(double piece_area, double element_area) {
-  const double wanted = kPatchesPerElement * piece_area / element_area;
+int patch_rows(double piece_area, double element_area, double patches_per_element) {
+  const double wanted = patches_per_element * piece_area / element_area;
   return std::clamp(static_cast<int>(std::lround(std::sqrt(wanted))), 1, kMaxPatchRows);
 }
 
@@ -77,6 +77,28 @@ std::vector<LightPatch> element_patches(const Model& model, const System& system
     for (int index = 0; index < rows * rows; ++index) patches.push_back(patch_of_piece(piece, rows, index));
   }
   return patches;
+}
+
+ElementPatches own_patches(const Model& model, const System& system, const SurfaceElement& element,
+                           std::size_t first_patch, double patches_per_element) {
+  ElementPatches out;
+  for (std::uint32_t p = 0; p < element.piece_count; ++p) {
+    out.pieces.push_back({whole_piece(model, system, element, p)});
+    ElementPatches::Piece& piece = out.pieces.back();
+    piece.rows = patch_rows(area_of(piece.whole.corners), element.area);
+    for (int index = 0; index < piece.rows * piece.rows; ++index) {
+      if (owns_patch(system, first_patch + out.stored_count++)) out.patches.push_back({p, index});
+    }
+  }
+  out.lost_some = out.patches.size() < out.stored_count;
+  if (out.lost_some || patches_per_element >= kPatchesPerElement) return out;
+  out.patches.clear();
+  for (std::uint32_t p = 0; p < element.piece_count; ++p) {
+    ElementPatches::Piece& piece = out.pieces[p];
+    piece.rows = patch_rows(area_of(piece.whole.corners), element.area, patches_per_element);
+    for (int index = 0; index < piece.rows * piece.rows; ++index) out.patches.push_back({p, index});
+  }
+  return out;
 }
 
 glm::dvec3 patch_point(const LightPatch& patch) {

@@ -4,14 +4,15 @@
 // own for a shadow ray. Whoever computes direct irradiance, on whatever device, uses these.
 //
 // Element: each of its pieces is cut into rows of congruent triangles, about kPatchesPerElement of them in
-// all. Light: a patch that looks large from it is cut in four again and again (max_patch_solid_angle), so
-// that shadows and cones close to a light are met. The flux that a patch receives is its solid angle as the
-// light sees it times the share of the light that reaches its point; H of the element is the sum over its
-// patches over their area.
+// all, or fewer where whoever asks wants fewer rays. Light: a patch that looks large from it is cut in four
+// again and again (max_patch_solid_angle), so that shadows and cones close to a light are met. The flux that
+// a patch receives is its solid angle as the light sees it times the share of the light that reaches its
+// point; H of the element is the sum over its patches over their area.
 //
 // A patch belongs to its element (System::own_patches) when it lies on the same side of all walls as the
 // element's middle; others, of a lumel that a wall runs through, are left out. An element that lost patches
-// has none of them cut again, because a part of one may lie beyond the wall.
+// has all that are left, however few were asked for, and none of them cut again, because a part of one may
+// lie beyond the wall.
 #pragma once
 
 #include <array>
@@ -55,7 +56,7 @@ LightPatch whole_piece(const Model& model, const System& system, const SurfaceEl
                        std::uint32_t piece_of_element);
 
 /// The piece is cut into the square of so many patches.
-int patch_rows(double piece_area, double element_area);
+int patch_rows(double piece_area, double element_area, double patches_per_element = kPatchesPerElement);
 
 /// Patch number `index` of rows * rows.
 LightPatch patch_of_piece(const LightPatch& piece, int rows, int index);
@@ -63,6 +64,27 @@ LightPatch patch_of_piece(const LightPatch& piece, int rows, int index);
 /// All patches of an element, piece by piece, those that do not belong to it included.
 std::vector<LightPatch> element_patches(const Model& model, const System& system,
                                         const SurfaceElement& element);
+
+/// What direct light of an element is sampled by.
+struct ElementPatches {
+  struct Piece {
+    LightPatch whole;
+    int rows = 1;
+  };
+  struct Patch {
+    std::uint32_t piece = 0;  ///< of the element
+    int index = 0;            ///< in its piece: patch_of_piece()
+  };
+  std::vector<Piece> pieces;
+  std::vector<Patch> patches;    ///< those that belong to the element
+  bool lost_some = false;        ///< others do not
+  std::size_t stored_count = 0;  ///< of the bits that the element has in System::own_patches
+};
+
+/// About `patches_per_element` of them, at most kPatchesPerElement. `first_patch`: its first bit in
+/// System::own_patches.
+ElementPatches own_patches(const Model& model, const System& system, const SurfaceElement& element,
+                           std::size_t first_patch, double patches_per_element = kPatchesPerElement);
 
 /// A random point inside, the same at each call.
 glm::dvec3 patch_point(const LightPatch& patch);

@@ -122,10 +122,13 @@ class DeviceLight : public DeviceTest {
     return {session.read_clusters().value(), session.read_gather().value()};
   }
 
-  void expect_processor_agrees(const Model& model, const std::vector<Light>& lights) {
-    const auto expected = direct_irradiance(model, lights);
+  void expect_processor_agrees(const Model& model, const std::vector<Light>& lights,
+                               double patches = kPatchesPerElement) {
+    const auto expected = direct_irradiance(model, lights, 0, patches);
     ASSERT_TRUE(expected) << expected.error().message;
-    LightSession on_device = session(model);
+    LightSessionOptions options;
+    options.light.patches_per_element = patches;
+    LightSession on_device = session(model, options);
     const DeviceDirectLight found = lit(on_device, lights);
     const Difference clusters = difference(found.clusters, expected->clusters);
     const Difference gather = difference(found.gather, expected->gather);
@@ -154,6 +157,13 @@ TEST_F(DeviceLight, AgreesWithTheProcessorNextToALamp) {
   const Model model = precompute_or_throw(box_room({}), coarse(0.25));
   for (const double distance : {0.1, 0.01, 0.001})
     expect_processor_agrees(model, {point_light({distance, 1.13, 1.87})});
+}
+
+TEST_F(DeviceLight, AgreesWithTheProcessorWithFewRays) {
+  expect_processor_agrees(alpha_room(), all_kinds(), 2.0);
+  // Elements that a wall runs through keep the patches that are theirs.
+  expect_processor_agrees(precompute_or_throw(sealed_rooms(0.05), coarse(0.3)),
+                          {point_light({1.0, 1.0, 1.0})}, 2.0);
 }
 
 TEST_F(DeviceLight, AllFluxArrives) {

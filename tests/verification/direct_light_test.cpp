@@ -157,6 +157,28 @@ TEST(DirectLight, NearALightTheIrradianceOfALumelStaysBelowItsShareOfTheFlux) {
   EXPECT_GE(largest, 0.8 * bound);
 }
 
+TEST(DirectLight, FewRaysLoseNoFluxAndPassNoWall) {
+  // A patch that is a whole piece still has its exact solid angle, so all flux arrives. Floor, ceiling and
+  // side walls of the sealed rooms run on under the wall between them.
+  const Model model = precompute_or_throw(box_room({}), options(0.5, 0.25));
+  const auto direct = direct_irradiance(model, std::vector{point_light({2.1, 1.3, 1.9}, 7.0)}, 0, 1.0);
+  ASSERT_TRUE(direct) << direct.error().message;
+  const double expected = 4.0 * kPi * 7.0;
+  EXPECT_NEAR(flux_of(model, *direct).lumels, expected, 1e-4 * expected);
+
+  const Model sealed = precompute_or_throw(sealed_rooms(0.05), options(0.6, 0.3));
+  const auto one_room = direct_irradiance(sealed, std::vector{point_light({1.0, 1.0, 1.0}, 7.0)}, 0, 1.0);
+  ASSERT_TRUE(one_room) << one_room.error().message;
+  std::size_t dark = 0;
+  for (std::size_t l = 0; l < sealed.systems.at(0).lumels.size(); ++l) {
+    const System& system = sealed.systems[0];
+    if (system.elements[system.lumels[l].element].position.x + sealed.origin.x < 2.05) continue;
+    EXPECT_EQ(one_room->gather[l], Rgb(0.0)) << l;
+    ++dark;
+  }
+  EXPECT_GT(dark, 200u);
+}
+
 TEST(DirectLight, FurnitureTakesItsShareOfTheFlux) {
   // The outer surfaces of a furnished room are closed as well: only clusters in the dark get nothing.
   expect_all_flux(furnished_room({}), {2.0, 2.0, 1.5}, 0.2);
