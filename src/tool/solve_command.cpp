@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "core/model_file.h"
+#include "tool/answer_certificate.h"
 #include "tool/direct_light.h"
 #include "tool/missing_systems.h"
 #include "tool/solution_bounds.h"
@@ -58,6 +59,34 @@ JsonObject result_json(const LightingSetup& setup, const std::string& direct_by,
           {"files", json_array(folder.paths())}};
 }
 
+/// What is said of the answer beside its iteration.
+struct Assurance {
+  std::optional<SolutionBounds> bounds;
+  std::optional<AnswerCertificate> certificate;
+};
+
+Result<Assurance> assure(const SolveArguments& arguments, const Model& model, const Lighting& lighting,
+                         const SolveOutcome& outcome, Console& console) {
+  Assurance assurance;
+  if (arguments.bounds) {
+    Result<SolutionBounds> found = bound_solution(model, lighting, outcome, console);
+    if (!found) return tl::unexpected(found.error());
+    assurance.bounds = std::move(*found);
+  }
+  if (!arguments.certify.empty()) {
+    Result<AnswerCertificate> found =
+        certify_answer(model, outcome, arguments.certify, arguments.lighting, console);
+    if (!found) return tl::unexpected(found.error());
+    assurance.certificate = std::move(*found);
+  }
+  return assurance;
+}
+
+void say_assurance(const SolveArguments& arguments, const Assurance& assurance, Console& console) {
+  if (assurance.bounds) console.say(bounds_sentence(*assurance.bounds));
+  if (assurance.certificate) console.say(certificate_sentence(*assurance.certificate, arguments.certify));
+}
+
 }  // namespace
 
 Result<int> run(const SolveArguments& arguments, Console& console) {
@@ -86,12 +115,9 @@ Result<int> run(const SolveArguments& arguments, Console& console) {
     console.warn(missing_sentence(**missing, model->systems.size(), arguments.missing_radiosity.has_value()));
   }
 
-  std::optional<SolutionBounds> bounds;
-  if (arguments.bounds) {
-    Result<SolutionBounds> found = bound_solution(*model, setup->lighting, *outcome, console);
-    if (!found) return tl::unexpected(found.error());
-    bounds = std::move(*found);
-  }
+  const Result<Assurance> assurance = assure(arguments, *model, setup->lighting, *outcome, console);
+  if (!assurance) return tl::unexpected(assurance.error());
+  const std::optional<SolutionBounds>& bounds = assurance->bounds;
   const double bounds_seconds = watch.lap();
 
   OutputFolder folder(arguments.output);
@@ -107,10 +133,11 @@ Result<int> run(const SolveArguments& arguments, Console& console) {
   seconds.emplace_back("outputs", watch.lap());
   const double total_seconds = total.lap();
   seconds.emplace_back("total", total_seconds);
-  if (bounds) console.say(bounds_sentence(*bounds));
+  say_assurance(arguments, *assurance, console);
   say_result(arguments, *outcome, folder, total_seconds, console);
   JsonObject result = result_json(*setup, direct_by, *outcome, std::move(seconds), *missing, folder);
   if (bounds) result.emplace_back("bounds", bounds_json(*bounds));
+  if (assurance->certificate) result.emplace_back("certificate", certificate_json(*assurance->certificate));
   console.finish(std::move(result));
   return 0;
 }

@@ -6,9 +6,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <map>
 #include <tuple>
 
+#include "core/row_certificate.h"
+#include "core/same_surfaces.h"
 #include "verification/rooms.h"
 #include "verification/whole_path.h"
 
@@ -24,6 +29,13 @@ PrecomputeOptions coarse() {
   PrecomputeOptions options;
   options.cluster_size = 0.3, options.texel_size = 0.15, options.quality = 128;
   return options;
+}
+
+Light bulb() {
+  Light light;
+  light.intensity = Rgb(100.0);
+  light.position = {1.0, 1.7, 2.2};
+  return light;
 }
 
 SolutionBracket bracket(const Model& model, const Lighting& lighting) {
@@ -58,10 +70,7 @@ TEST_P(BracketOfCutRows, HoldsTheSolutionOfFullRowsAtEveryLumel) {
   const Model full = precompute_or_throw(scene, options);
   options.budget = GetParam().budget, options.codec = GetParam().codec;
   const Model cut = precompute_or_throw(scene, options);
-  Light bulb;
-  bulb.intensity = Rgb(100.0);
-  bulb.position = {1.0, 1.7, 2.2};
-  const LightSources sources{{bulb}, {}};
+  const LightSources sources{{bulb()}, {}};
   const std::vector<Rgb> exact =
       reordered(full, solve_and_gather(full, light(full, scene, sources)).indirect, cut);
   const Bracket irradiance = bracket(cut, light(cut, scene, sources).lighting).irradiance;
@@ -83,6 +92,64 @@ INSTANTIATE_TEST_SUITE_P(Budgets, BracketOfCutRows,
                          testing::Values(CutAndCode{64, ValueCodec::sqrt8},
                                          CutAndCode{256, ValueCodec::unorm16},
                                          CutAndCode{0, ValueCodec::sqrt8}));
+
+/// In the order of another model: value i goes to place `at[i]`.
+std::vector<Rgb> moved(const std::vector<Rgb>& values, const std::vector<std::uint32_t>& at) {
+  std::vector<Rgb> out(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) out[at[i]] = values[i];
+  return out;
+}
+
+// Against the rows before they were cut, for the lights that shine: never less than what the solution is off,
+// and hardly more.
+TEST(RowCertificate, IsHardlyMoreThanTheCutCosts) {
+  const Scene scene = two_rooms();
+  PrecomputeOptions options = coarse();
+  const Model full = precompute_or_throw(scene, options);
+  options.budget = 64, options.codec = ValueCodec::sqrt8;
+  const Model cut = precompute_or_throw(scene, options);
+  const LightSources sources{{bulb()}, {}};
+  const auto same = same_surfaces(full, cut);
+  ASSERT_TRUE(same) << same.error().message;
+  const Lighting of_cut = light(cut, scene, sources).lighting;
+  const ReferenceMatrices cut_matrices = reference_matrices(cut);
+  const auto answer = solve_reference(cut_matrices.bounce, of_cut, {});
+  const Lighting lighting = light(full, scene, sources).lighting;
+  const ReferenceMatrices matrices = reference_matrices(full);
+  const auto exact = solve_reference(matrices.bounce, lighting, {10000, 1e-10});
+  ASSERT_TRUE(answer && exact);
+  const std::vector<Rgb> irradiance = gather(matrices.gather, lighting, exact->radiosity);
+  const std::vector<Rgb> gathered =
+      moved(gather(cut_matrices.gather, of_cut, answer->radiosity), same->gather_rows);
+
+  const auto certificate =
+      certify_against(matrices, lighting, moved(answer->radiosity, same->clusters), gathered);
+  ASSERT_TRUE(certificate) << certificate.error().message;
+  double bound = 0.0, off = 0.0;
+  for (std::size_t row = 0; row < irradiance.size(); ++row) {
+    const Rgb error = glm::abs(gathered[row] - irradiance[row]);
+    for (int c = 0; c < 3; ++c) {
+      ASSERT_LE(error[c], certificate->irradiance[row][c] * (1.0 + 1e-9) + 1e-9 * irradiance[row][c]) << row;
+    }
+    bound += glm::dot(certificate->irradiance[row], certificate->irradiance[row]);
+    off += glm::dot(error, error);
+  }
+  EXPECT_GT(off, 0.0);
+  EXPECT_LE(std::sqrt(bound), 1.2 * std::sqrt(off));
+  EXPECT_LE(certificate->products, 12u);
+}
+
+TEST(RowCertificate, RefusesOtherSurfaces) {
+  PrecomputeOptions options = coarse();
+  options.quality = 8;
+  const Model room = precompute_or_throw(box_room({}), options);
+  EXPECT_NE(
+      same_surfaces(room, precompute_or_throw(sealed_rooms(0.1), options)).error().message.find("scenes"),
+      std::string::npos);
+  options.cluster_size = 0.45;
+  EXPECT_NE(same_surfaces(room, precompute_or_throw(box_room({}), options)).error().message.find("clusters"),
+            std::string::npos);
+}
 
 }  // namespace
 }  // namespace relume::test
