@@ -81,7 +81,8 @@ std::string options_json(const PrecomputeOptions& options, const PrecomputeRepor
           ? fmt::format(R"(,"estimated":{{"clusters":{:.3g},"rays":{:.3g},"cut":{:.3g},"precision":{:.3g}}})",
                         report.error.clusters, report.error.rays, report.error.cut, report.error.precision)
           : "";
-  const std::string directional = options.directional ? R"(,"directional":true)" : "";
+  const std::string directional = std::string(options.reciprocal ? R"(,"reciprocal":true)" : "") +
+                                  (options.directional ? R"(,"directional":true)" : "");
   return fmt::format(
       R"({{"error":{},"texel_size":{},"cluster_size":{},"quality":{},"sensor_quality":{},"budget":{},"system_lumels":{},"codec":"{}","max_albedo":{},"seed":{}{}{}}})",
       options.error, report.texel_size, report.cluster_size, plan.lumels.rays, plan.sensors.rays,
@@ -237,6 +238,7 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
   report.rays = counts.rays;
   report.occlusion_rays += counts.occlusion_rays;
   report.seconds_rays += seconds_since(rays_start);
+  report.projection = rows->projection;
   if (plan.cut) estimate_errors(*rows, surfaces, *prepared.probing, options.error, plan.codec, report);
 
   const auto rows_start = std::chrono::steady_clock::now();
@@ -292,6 +294,7 @@ Result<PrecomputeEstimate> estimate_model(Start start, RowPlan plan, double seco
   return_free_memory();  // of the survey: rows would use it again
   facts.resident_bytes = resident_bytes(), facts.peak_bytes = peak_resident_bytes();
   plan.lumels.every = plan.sensors.every = facts.every;
+  plan.reciprocal = false;  // rows without their counterparts
   PrecomputeReport unused;
   const auto model = trace_model(start, plan, facts.counts, unused, observer);
   if (!model) return tl::unexpected(model.error());

@@ -63,6 +63,9 @@ struct PrecomputeOptions {
   /// In place of both: denser where light between them would be off. Each then keeps about 256 nodes, unless
   /// error or budget ask for others.
   bool auto_probes = false;
+  /// Rows of clusters obey reciprocity and keep their sums (reciprocal_rows.h): less noise of rays, and
+  /// symmetric solvers converge. They are then held in memory together.
+  bool reciprocal = false;
   bool directional = false;  ///< the gather matrix gets directions (core/directional_irradiance.h)
 };
 
@@ -75,6 +78,16 @@ struct ErrorEstimate {
   double total() const;    ///< of independent causes
 };
 
+/// What the projection of PrecomputeOptions::reciprocal found and did.
+struct Projection {
+  /// Of the rays' form factors, S_ij = A_i F_ij: |S - S^T| / |S + S^T|, Frobenius norms. 0 afterwards, but
+  /// for rounding.
+  double asymmetry = 0.0;
+  double change = 0.0;  ///< that it made: |S'' - S| / |S|
+  double left = 0.0;    ///< share of the area whose rows keep their sums, but are not reciprocal
+  std::uint32_t iterations = 0;
+};
+
 /// What the precompute did; not part of the model because times differ between runs.
 struct PrecomputeReport {
   double texel_size = 0.0;
@@ -83,10 +96,11 @@ struct PrecomputeReport {
   std::uint64_t occlusion_rays = 0;  ///< towards emitters and between neighbours
   std::uint64_t invalid_lumels = 0;
   std::uint64_t split_lumels = 0;
-  ErrorEstimate error;            ///< 0 where nothing was estimated
-  double seconds_surfaces = 0.0;  ///< charts, lumels, clusters
-  double seconds_rays = 0.0;      ///< rays and rows
-  double seconds_rows = 0.0;      ///< trees, cut, matrices
+  ErrorEstimate error;                   ///< 0 where nothing was estimated
+  std::optional<Projection> projection;  ///< where asked for
+  double seconds_surfaces = 0.0;         ///< charts, lumels, clusters
+  double seconds_rays = 0.0;             ///< rays and rows
+  double seconds_rows = 0.0;             ///< trees, cut, matrices
   double seconds_total = 0.0;
   std::uint64_t peak_memory = 0;  ///< bytes that the process has had at most so far
   std::vector<std::string> warnings;

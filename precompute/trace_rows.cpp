@@ -10,6 +10,12 @@
 namespace relume {
 namespace {
 
+void cut_rows_of_clusters(const CutSenders& senders, const TracedSystem& system, const RowPlan& plan,
+                          SystemRows& rows, SystemTiles& tiles) {
+  tiles.clusters = cut_clusters(senders, system, rows, plan.node_cuts);
+  rows.clusters = {};
+}
+
 Result<SystemTiles> trace_and_cut(const RowScene& scene, const TracedSystem& system,
                                   const CutSenders& senders, const RowPlan& plan, RowCounts& counts,
                                   const ProgressObserver& observer, const std::vector<std::uint32_t>& order,
@@ -21,9 +27,24 @@ Result<SystemTiles> trace_and_cut(const RowScene& scene, const TracedSystem& sys
   rows = std::move(*traced);
   SystemTiles tiles;
   tiles.lumels = cutter.finish(rows);
-  tiles.clusters = cut_clusters(senders, system, rows, plan.node_cuts);
-  rows.clusters = {};
+  if (!plan.reciprocal) cut_rows_of_clusters(senders, system, plan, rows, tiles);
   return tiles;
+}
+
+/// The rows of all clusters of all systems, projected together.
+Result<Projection> project_clusters(const Surfaces& surfaces, std::vector<SystemRows>& systems) {
+  std::vector<ProjectedRow> rows;
+  for (std::size_t s = 0; s < systems.size(); ++s) {
+    const ClusteredSurface& surface = surfaces.systems[s];
+    const std::size_t first = rows.size();
+    for (FormFactorRow& row : systems[s].clusters) rows.push_back({&row});
+    for (std::size_t e = 0; e < surface.cluster.size(); ++e) {
+      ProjectedRow& row = rows[first + surface.cluster[e]];
+      row.area += surface.surface.elements[e].area;
+      row.rays += systems[s].element_rays[e].count;
+    }
+  }
+  return project_to_reciprocity(rows);
 }
 
 Result<void> trace_systems(const RowScene& scene, const Surfaces& surfaces,
@@ -42,6 +63,14 @@ Result<void> trace_systems(const RowScene& scene, const Surfaces& surfaces,
                                rows.systems.emplace_back());
     if (!tiles) return tl::unexpected(tiles.error());
     rows.tiles.push_back(std::move(*tiles));
+  }
+  if (!plan.reciprocal) return {};
+  auto projected = project_clusters(surfaces, rows.systems);
+  if (!projected) return tl::unexpected(projected.error());
+  rows.projection = *projected;
+  for (std::size_t s = 0; senders && s < surfaces.systems.size(); ++s) {
+    const TracedSystem system{surfaces.charts, surfaces.systems[s], surfaces.own_elements[s]};
+    cut_rows_of_clusters(*senders, system, plan, rows.systems[s], rows.tiles[s]);
   }
   return {};
 }

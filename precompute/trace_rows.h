@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "precompute/light_probes.h"
+#include "precompute/reciprocal_rows.h"
 #include "precompute/row_plan.h"
 #include "precompute/surfaces.h"
 #include "precompute/survey.h"
@@ -17,6 +18,7 @@ struct TracedRows {
   std::vector<SystemRows> systems;
   std::vector<SystemTiles> tiles;  ///< per system; none without a cut
   std::optional<NodeFlux> flux;    ///< of the nodes that tiles keep
+  std::optional<Projection> projection;  ///< of the rows of clusters, where the plan says so
   SensorRows sensors;
   std::vector<std::uint32_t> sensor_systems;  ///< per sensor: the one that it belongs to
   ProbeRows probes;

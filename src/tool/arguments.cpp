@@ -219,6 +219,8 @@ class Parser {
                "Nodes of the cluster trees that 8 neighbouring rows keep (default 0: full rows)");
     add_number(command, "--system-lumels", options.system_lumels, kCount,
                "Systems of more lumels are split where little light crosses (default 65536)");
+    command.add_flag("--reciprocal", options.reciprocal,
+                     "Form factors between clusters obey reciprocity: less noise of rays");
     command.add_flag(
         "--directional", options.directional,
         "Directional lightmaps: also keep where light comes from, 4 bytes more per form factor of "

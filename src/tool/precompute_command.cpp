@@ -31,10 +31,25 @@ void say_report(const PrecomputeArguments& arguments, const PrecomputeReport& re
         100.0 * report.error.total(), 100.0 * report.error.clusters, 100.0 * report.error.rays,
         100.0 * report.error.cut, 100.0 * report.error.precision));
   }
+  if (report.projection) {
+    console.say(fmt::format(
+        "  reciprocity: form factors of the rays were off by {:.2g} %, changed by {:.2g} %; not reached at "
+        "{:.2g} % of the area",
+        100.0 * report.projection->asymmetry, 100.0 * report.projection->change,
+        100.0 * report.projection->left));
+  }
   if (report.invalid_lumels + report.split_lumels > 0) {
     console.say(fmt::format("  {} lumels inside geometry, {} split by a wall", report.invalid_lumels,
                             report.split_lumels));
   }
+}
+
+JsonValue projection_json(const std::optional<Projection>& projection) {
+  if (!projection) return {};
+  return JsonObject{{"asymmetry", projection->asymmetry},
+                    {"change", projection->change},
+                    {"left", projection->left},
+                    {"iterations", projection->iterations}};
 }
 
 JsonObject report_json(const PrecomputeArguments& arguments, const PrecomputeReport& report,
@@ -53,6 +68,7 @@ JsonObject report_json(const PrecomputeArguments& arguments, const PrecomputeRep
                                                               {"cut", report.error.cut},
                                                               {"precision", report.error.precision},
                                                               {"total", report.error.total()}}},
+                               {"projection", projection_json(report.projection)},
                                {"seconds", JsonObject{{"surfaces", report.seconds_surfaces},
                                                       {"rays", report.seconds_rays},
                                                       {"rows", report.seconds_rows},

@@ -3,6 +3,7 @@
 // In a closed room of uniform exitance M and albedo rho every radiosity is M / (1 - rho), whatever the shape.
 #include <gtest/gtest.h>
 
+#include "core/methods/methods.h"
 #include "core/reference_solver.h"
 #include "support/matrices.h"
 #include "verification/rooms.h"
@@ -64,6 +65,35 @@ void expect_furnaces(const Scene& scene, double cluster_size, bool furnished = f
 
 TEST(Furnace, Box) {
   expect_furnaces(box_room({}), 0.5);
+}
+
+// 32 rays a lumel: conjugate gradients are refused for rows of such rays, and right for their projection,
+// whose sums still are 1.
+TEST(Furnace, BoxOfReciprocalRows) {
+  PrecomputeOptions chosen = options(0.5);
+  chosen.quality = 32;
+  const Model noisy = precompute_or_throw(box_room({}), chosen);
+  chosen.reciprocal = true;
+  PrecomputeReport report;
+  const Model model = precompute_or_throw(box_room({}), chosen, &report);
+  for (const double albedo : {0.5, 0.9, 0.99}) expect_furnace(model, albedo, false);
+  ASSERT_TRUE(report.projection);
+  EXPECT_GT(report.projection->asymmetry, 0.01);
+  EXPECT_EQ(report.projection->left, 0.0);
+
+  const Lighting lighting =
+      uniform_lighting(std::uint32_t(model.systems[0].clusters.size()), Rgb(0.95), Rgb(2.0));
+  const auto by_gradients = [&](const Model& of) {
+    const ReferenceMatrices matrices = reference_matrices(of);
+    const auto problem = make_bounce_problem(matrices.bounce, lighting, cluster_areas(of));
+    return solve_by_conjugate_gradients(problem.value(), {1000, 1e-4});
+  };
+  EXPECT_FALSE(by_gradients(noisy));
+  const auto solution = by_gradients(model);
+  ASSERT_TRUE(solution) << solution.error().message;
+  EXPECT_EQ(solution->fallback, "");
+  EXPECT_LT(solution->bounces, 20u);
+  for (const Rgb& value : solution->radiosity) ASSERT_NEAR(value.g, 2.0 / 0.05, 1e-3 * 40.0);
 }
 
 TEST(Furnace, BoxWhoseMaterialMayEmit) {
