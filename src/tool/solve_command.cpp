@@ -7,6 +7,7 @@
 #include "tool/answer_certificate.h"
 #include "tool/direct_light.h"
 #include "tool/missing_systems.h"
+#include "tool/named_errors.h"
 #include "tool/solution_bounds.h"
 #include "tool/solve_outputs.h"
 #include "tool/stopwatch.h"
@@ -61,15 +62,19 @@ JsonObject result_json(const LightingSetup& setup, const std::string& direct_by,
 
 /// What is said of the answer beside its iteration.
 struct Assurance {
+  std::optional<NamedErrors> errors;
   std::optional<SolutionBounds> bounds;
   std::optional<AnswerCertificate> certificate;
 };
 
-Result<Assurance> assure(const SolveArguments& arguments, const Model& model, const Lighting& lighting,
+Result<Assurance> assure(const SolveArguments& arguments, const Model& model, const LightingSetup& setup,
                          const SolveOutcome& outcome, Console& console) {
   Assurance assurance;
   if (arguments.bounds) {
-    Result<SolutionBounds> found = bound_solution(model, lighting, outcome, console);
+    Result<NamedErrors> named = name_errors(model, setup, outcome);
+    if (!named) return tl::unexpected(named.error());
+    assurance.errors = *named;
+    Result<SolutionBounds> found = bound_solution(model, setup.lighting, outcome, console);
     if (!found) return tl::unexpected(found.error());
     assurance.bounds = std::move(*found);
   }
@@ -83,6 +88,7 @@ Result<Assurance> assure(const SolveArguments& arguments, const Model& model, co
 }
 
 void say_assurance(const SolveArguments& arguments, const Assurance& assurance, Console& console) {
+  if (assurance.errors) console.say(errors_sentence(*assurance.errors));
   if (assurance.bounds) console.say(bounds_sentence(*assurance.bounds));
   if (assurance.certificate) console.say(certificate_sentence(*assurance.certificate, arguments.certify));
 }
@@ -115,7 +121,7 @@ Result<int> run(const SolveArguments& arguments, Console& console) {
     console.warn(missing_sentence(**missing, model->systems.size(), arguments.missing_radiosity.has_value()));
   }
 
-  const Result<Assurance> assurance = assure(arguments, *model, setup->lighting, *outcome, console);
+  const Result<Assurance> assurance = assure(arguments, *model, *setup, *outcome, console);
   if (!assurance) return tl::unexpected(assurance.error());
   const std::optional<SolutionBounds>& bounds = assurance->bounds;
   const double bounds_seconds = watch.lap();
@@ -136,6 +142,7 @@ Result<int> run(const SolveArguments& arguments, Console& console) {
   say_assurance(arguments, *assurance, console);
   say_result(arguments, *outcome, folder, total_seconds, console);
   JsonObject result = result_json(*setup, direct_by, *outcome, std::move(seconds), *missing, folder);
+  if (assurance->errors) result.emplace_back("errors", errors_json(*assurance->errors));
   if (bounds) result.emplace_back("bounds", bounds_json(*bounds));
   if (assurance->certificate) result.emplace_back("certificate", certificate_json(*assurance->certificate));
   console.finish(std::move(result));

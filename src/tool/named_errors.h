@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+//
+// What an answer may be off by, cause by cause (`solve --bounds`): each a share of the root mean square of
+// indirect irradiance over the lumels.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "tool/lighting_setup.h"
+#include "tool/solver.h"
+
+namespace relume {
+
+struct NamedErrors {
+  /// Estimated by the precompute for lights that it had not seen; absent where it had no error target.
+  std::optional<double> clusters, rays, cut;
+  double precision = 0.0;       ///< of stored values, at most, at an albedo of 0.8
+  std::optional<double> light;  ///< what a quarter of the shadow samples would change; absent without lights
+  double iteration = 0.0;       ///< bound, relative to the largest radiosity
+};
+
+/// Of what `outcome` solved.
+Result<NamedErrors> name_errors(const Model& model, const LightingSetup& setup, const SolveOutcome& outcome);
+
+/// One sentence for people.
+std::string errors_sentence(const NamedErrors& errors);
+
+/// The object `errors` of `solve --json`.
+JsonValue errors_json(const NamedErrors& errors);
+
+}  // namespace relume
