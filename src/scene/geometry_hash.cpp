@@ -107,27 +107,31 @@ GeometryHash geometry_hash(const Scene& scene) {
   return out;
 }
 
-Result<void> check_same_geometry(const Model& model, const Scene& scene) {
-  const GeometryHash now = geometry_hash(scene);
-  if (now.total == model.geometry_hash) return {};
-  std::unordered_map<std::string, std::uint64_t> before;
-  for (const NodeRecord& node : model.nodes) before.emplace(node.path, node.geometry_hash);
+std::string changed_nodes(const std::vector<NodeRecord>& before, const std::vector<NodeRecord>& now) {
+  std::unordered_map<std::string, std::uint64_t> known;
+  for (const NodeRecord& node : before) known.emplace(node.path, node.geometry_hash);
   std::vector<std::string> changed;
   std::vector<std::string> appeared;
   std::vector<std::string> gone;
-  for (const NodeRecord& node : now.nodes) {
-    const auto known = before.find(node.path);
-    if (known == before.end()) {
+  for (const NodeRecord& node : now) {
+    const auto found = known.find(node.path);
+    if (found == known.end()) {
       appeared.push_back(node.path);
       continue;
     }
-    if (known->second != node.geometry_hash) changed.push_back(node.path);
-    before.erase(known);
+    if (found->second != node.geometry_hash) changed.push_back(node.path);
+    known.erase(found);
   }
-  for (const NodeRecord& node : model.nodes) {
-    if (before.count(node.path) != 0) gone.push_back(node.path);
+  for (const NodeRecord& node : before) {
+    if (known.count(node.path) != 0) gone.push_back(node.path);
   }
-  std::string what = listed(changed, "moved or changed") + listed(appeared, "new") + listed(gone, "gone");
+  return listed(changed, "moved or changed") + listed(appeared, "new") + listed(gone, "gone");
+}
+
+Result<void> check_same_geometry(const Model& model, const Scene& scene) {
+  const GeometryHash now = geometry_hash(scene);
+  if (now.total == model.geometry_hash) return {};
+  std::string what = changed_nodes(model.nodes, now.nodes);
   if (what.empty()) what = "; the nodes stand in another order";
   return fail(ErrorCode::bad_input, fmt::format("{}: its geometry is not that of {}, which was precomputed{}",
                                                 scene.file_name, model.provenance.scene_file, what));

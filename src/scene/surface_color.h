@@ -50,6 +50,10 @@ struct GeometryHash {
 };
 GeometryHash geometry_hash(const Scene& scene);
 
+/// What is not as before: "; moved or changed: ...; new: ...; gone: ...", nodes named by their paths; empty
+/// where they are the same in another order.
+std::string changed_nodes(const std::vector<NodeRecord>& before, const std::vector<NodeRecord>& now);
+
 /// Error (bad_input) with a sentence that names the nodes that moved, appeared or went, when the scene is not
 /// the one of the model.
 Result<void> check_same_geometry(const Model& model, const Scene& scene);

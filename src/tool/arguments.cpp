@@ -176,7 +176,10 @@ class Parser {
       return fail(ErrorCode::usage,
                   "export: expected --matrices, --glb or --debug, found none; see relume export --help.");
     }
-    if (precompute_.output.empty() && !precompute_.dry_run && app_.got_subcommand("precompute")) {
+    const bool nowhere =
+        (app_.got_subcommand("precompute") && !precompute_.dry_run && precompute_.output.empty()) ||
+        (app_.got_subcommand("watch") && watch_.precompute.output.empty());
+    if (nowhere) {
       return fail(ErrorCode::usage, "--output is required; see relume --help.");
     }
     if (bounces_) solve_.rule = {*bounces_, 0.0};
@@ -194,9 +197,17 @@ class Parser {
 
   void add_precompute() {
     CLI::App& command = add_command("precompute", "Trace a scene once: clusters, lumels and form factors");
-    PrecomputeOptions& options = precompute_.options;
-    add_path(command, "SCENE", "", precompute_.scene, "glTF scene (.gltf, .glb)")->required();
-    add_path(command, "-o,--output", "FILE", precompute_.output, "The .relume file to write");
+    add_precompute_options(command, precompute_);
+    command.add_flag("--dry-run", precompute_.dry_run,
+                     "Estimate rows, form factors, bytes, time and memory; writes nothing");
+    CLI::App& watch = add_command("watch", "Precompute a scene anew whenever it is saved, until Ctrl-C");
+    add_precompute_options(watch, watch_.precompute);
+  }
+
+  static void add_precompute_options(CLI::App& command, PrecomputeArguments& arguments) {
+    PrecomputeOptions& options = arguments.options;
+    add_path(command, "SCENE", "", arguments.scene, "glTF scene (.gltf, .glb)")->required();
+    add_path(command, "-o,--output", "FILE", arguments.output, "The .relume file to write");
     add_number(command, "--error", options.error, kTarget,
                "Target for indirect light in each room, 2% or 0.02; what follows is then chosen from it");
     add_number(command, "--quality", options.quality, kCount, "Rays per lumel (default 512)");
@@ -204,9 +215,9 @@ class Parser {
                "Rays per sensor (default 16 x quality, at least 4096)");
     add_number(command, "--cluster-size", options.cluster_size, kLength, "Default: about 4 k clusters");
     add_number(command, "--texel-size", options.texel_size, kLength, "Default: about 40 k lumels");
-    add_path(command, "--sensors", "CSV", precompute_.sensors, "Header id,px,py,pz,nx,ny,nz");
+    add_path(command, "--sensors", "CSV", arguments.sensors, "Header id,px,py,pz,nx,ny,nz");
     command
-        .add_option("--probes", precompute_.probes,
+        .add_option("--probes", arguments.probes,
                     "Light probes: none, auto (denser where light changes), a grid of this spacing (m), or a "
                     "CSV with header "
                     "id,px,py,pz")
@@ -231,8 +242,6 @@ class Parser {
     add_number(command, "--seed", options.seed, kCountOrZero, "Default 0");
     add_number(command, "--max-memory", options.max_memory, kBytes,
                "Refused before the long work when it needs more; 500M, 2G");
-    command.add_flag("--dry-run", precompute_.dry_run,
-                     "Estimate rows, form factors, bytes, time and memory; writes nothing");
   }
 
   void add_info_and_check() {
@@ -358,6 +367,7 @@ class Parser {
   CommandArguments chosen() {
     const std::string name = app_.get_subcommands().front()->get_name();
     if (name == "precompute") return precompute_;
+    if (name == "watch") return watch_;
     if (name == "info") return info_;
     if (name == "check") return check_;
     if (name == "solve") return solve_;
@@ -371,6 +381,7 @@ class Parser {
   CLI::App app_;
   ConsoleMode mode_;
   PrecomputeArguments precompute_;
+  WatchArguments watch_;
   InfoArguments info_;
   CheckArguments check_;
   SolveArguments solve_;

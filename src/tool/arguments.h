@@ -15,11 +15,13 @@
 #include "tool/inspect_commands.h"
 #include "tool/precompute_command.h"
 #include "tool/solve_command.h"
+#include "tool/watch_command.h"
 
 namespace relume {
 
-using CommandArguments = std::variant<PrecomputeArguments, InfoArguments, CheckArguments, SolveArguments,
-                                      CompareArguments, FactorsArguments, ExportArguments, ChartArguments>;
+using CommandArguments =
+    std::variant<PrecomputeArguments, WatchArguments, InfoArguments, CheckArguments, SolveArguments,
+                 CompareArguments, FactorsArguments, ExportArguments, ChartArguments>;
 
 struct ParsedArguments {
   CommandArguments command;

@@ -35,6 +35,7 @@ void Console::say(std::string_view line) {
   if (mode_.json || mode_.quiet) return;
   end_progress();
   fmt::print(stdout, "{}\n", line);
+  std::fflush(stdout);
 }
 
 void Console::warn(std::string warning) {
@@ -71,6 +72,19 @@ void Console::finish(JsonObject object) {
   if (!mode_.json) return;
   object.emplace_back("warnings", json_array(warnings_));
   fmt::print(stdout, "{}\n", to_json_text(object));
+}
+
+void Console::event(const JsonObject& object) {
+  end_progress();
+  if (!mode_.json) return;
+  fmt::print(stdout, "{}\n", to_json_line(object));
+  std::fflush(stdout);
+}
+
+void Console::complain(const Error& error) {
+  end_progress();
+  fmt::print(stderr, "relume: {}\n", error.message);
+  event({{"error", error.message}, {"exit", static_cast<int>(error.code)}});
 }
 
 void Console::fail(const Error& error) {

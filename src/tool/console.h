@@ -38,6 +38,12 @@ class Console {
   /// Ends a command: prints `object`, with the warnings as its last member, when the mode is json.
   void finish(JsonObject object);
 
+  /// Something that happened while a command goes on: prints `object` as one line when the mode is json.
+  void event(const JsonObject& object);
+
+  /// An error after which the command goes on: the sentence on standard error, and as an event.
+  void complain(const Error& error);
+
   /// Ends a command that failed: the sentence on standard error, and as {"error", "exit"} on standard output
   /// in json mode.
   void fail(const Error& error);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <memory>
 
 namespace relume {
@@ -29,15 +30,61 @@ std::uint8_t srgb_byte(double linear) {
   return static_cast<std::uint8_t>(255.0 * coded + 0.5);
 }
 
-/// One plane per channel in the alphabetical order that EXR readers expect: B, G, R.
-std::array<std::vector<float>, 3> planes_bgr(const ColorImage& image) {
-  std::array<std::vector<float>, 3> planes;
-  for (int c = 0; c < 3; ++c) {
-    planes[c].reserve(image.pixels.size());
+struct ExrPlane {
+  char name = 'R';
+  std::vector<float> values;
+};
+
+/// Red, green and blue of an image in the alphabetical order that EXR readers expect.
+std::vector<ExrPlane> planes_bgr(const ColorImage& image, float largest) {
+  std::vector<ExrPlane> planes;
+  for (int c = 2; c >= 0; --c) {
+    ExrPlane& plane = planes.emplace_back();
+    plane.name = "RGB"[c];
+    plane.values.reserve(image.pixels.size());
     for (const glm::vec3& pixel : image.pixels)
-      planes[c].push_back(std::clamp(pixel[2 - c], -kLargestHalf, kLargestHalf));
+      plane.values.push_back(std::clamp(pixel[c], -largest, largest));
   }
   return planes;
+}
+
+/// `planes` in the alphabetical order of their names.
+Result<std::vector<std::byte>> encode_planes(std::vector<ExrPlane> planes, std::uint32_t width,
+                                             std::uint32_t height, int pixel_type) {
+  std::vector<unsigned char*> plane_bytes;
+  std::vector<EXRChannelInfo> channels(planes.size());
+  for (std::size_t c = 0; c < planes.size(); ++c) {
+    plane_bytes.push_back(reinterpret_cast<unsigned char*>(planes[c].values.data()));
+    channels[c].name[0] = planes[c].name;
+  }
+  std::vector<int> stored(planes.size(), TINYEXR_PIXELTYPE_FLOAT), wanted(planes.size(), pixel_type);
+
+  EXRHeader header;
+  InitEXRHeader(&header);
+  header.num_channels = static_cast<int>(planes.size());
+  header.channels = channels.data();
+  header.pixel_types = stored.data();
+  header.requested_pixel_types = wanted.data();
+  header.compression_type = TINYEXR_COMPRESSIONTYPE_ZIP;
+  EXRImage exr;
+  InitEXRImage(&exr);
+  exr.num_channels = header.num_channels;
+  exr.images = plane_bytes.data();
+  exr.width = static_cast<int>(width);
+  exr.height = static_cast<int>(height);
+
+  unsigned char* memory = nullptr;
+  const char* message = nullptr;
+  const std::size_t size = SaveEXRImageToMemory(&exr, &header, &memory, &message);
+  const std::unique_ptr<unsigned char, FreeMemory> owner(memory);
+  if (size == 0) {
+    const std::string reason = message ? message : "no reason given";
+    FreeEXRErrorMessage(message);
+    return fail(ErrorCode::out_of_memory, "An EXR image could not be encoded: " + reason + ".");
+  }
+  std::vector<std::byte> bytes(size);
+  std::memcpy(bytes.data(), memory, size);
+  return bytes;
 }
 
 }  // namespace
@@ -65,42 +112,13 @@ Result<std::vector<std::byte>> encode_png(const ByteImage& image) {
 }
 
 Result<std::vector<std::byte>> encode_exr(const ColorImage& image) {
-  std::array<std::vector<float>, 3> planes = planes_bgr(image);
-  std::array<unsigned char*, 3> plane_bytes;
-  std::array<EXRChannelInfo, 3> channels{};
-  for (int c = 0; c < 3; ++c) {
-    plane_bytes[c] = reinterpret_cast<unsigned char*>(planes[c].data());
-    channels[c].name[0] = "BGR"[c];
-  }
-  std::array<int, 3> stored{TINYEXR_PIXELTYPE_FLOAT, TINYEXR_PIXELTYPE_FLOAT, TINYEXR_PIXELTYPE_FLOAT};
-  std::array<int, 3> wanted{TINYEXR_PIXELTYPE_HALF, TINYEXR_PIXELTYPE_HALF, TINYEXR_PIXELTYPE_HALF};
+  return encode_planes(planes_bgr(image, kLargestHalf), image.width, image.height, TINYEXR_PIXELTYPE_HALF);
+}
 
-  EXRHeader header;
-  InitEXRHeader(&header);
-  header.num_channels = 3;
-  header.channels = channels.data();
-  header.pixel_types = stored.data();
-  header.requested_pixel_types = wanted.data();
-  header.compression_type = TINYEXR_COMPRESSIONTYPE_ZIP;
-  EXRImage exr;
-  InitEXRImage(&exr);
-  exr.num_channels = 3;
-  exr.images = plane_bytes.data();
-  exr.width = static_cast<int>(image.width);
-  exr.height = static_cast<int>(image.height);
-
-  unsigned char* memory = nullptr;
-  const char* message = nullptr;
-  const std::size_t size = SaveEXRImageToMemory(&exr, &header, &memory, &message);
-  const std::unique_ptr<unsigned char, FreeMemory> owner(memory);
-  if (size == 0) {
-    const std::string reason = message ? message : "no reason given";
-    FreeEXRErrorMessage(message);
-    return fail(ErrorCode::out_of_memory, "An EXR image could not be encoded: " + reason + ".");
-  }
-  std::vector<std::byte> bytes(size);
-  std::memcpy(bytes.data(), memory, size);
-  return bytes;
+Result<std::vector<std::byte>> encode_exr(const ColorImage& image, std::vector<float> alpha) {
+  std::vector<ExrPlane> planes = planes_bgr(image, std::numeric_limits<float>::max());
+  planes.insert(planes.begin(), {'A', std::move(alpha)});
+  return encode_planes(std::move(planes), image.width, image.height, TINYEXR_PIXELTYPE_FLOAT);
 }
 
 }  // namespace relume

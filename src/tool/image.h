@@ -50,4 +50,7 @@ inline constexpr float kLargestHalf = 65504.0f;
 /// Half precision, channels B, G, R, ZIP-compressed.
 Result<std::vector<std::byte>> encode_exr(const ColorImage& image);
 
+/// Single precision, channels A, B, G, R, ZIP-compressed. `alpha`: per pixel.
+Result<std::vector<std::byte>> encode_exr(const ColorImage& image, std::vector<float> alpha);
+
 }  // namespace relume

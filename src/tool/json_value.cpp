@@ -38,4 +38,8 @@ std::string to_json_text(const JsonObject& object) {
   return Converter{}(object).dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
+std::string to_json_line(const JsonObject& object) {
+  return Converter{}(object).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 }  // namespace relume

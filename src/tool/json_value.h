@@ -47,4 +47,7 @@ JsonArray json_array(const Range& range) {
 /// bytes that are not UTF-8 are replaced.
 std::string to_json_text(const JsonObject& object);
 
+/// The same in one line.
+std::string to_json_line(const JsonObject& object);
+
 }  // namespace relume

@@ -117,7 +117,50 @@ Result<void> choose_probes(const std::string& asked, PrecomputeOptions& options)
   return {};
 }
 
+/// All that a precompute starts from.
+struct Input {
+  PrecomputeOptions options;
+  Scene scene;
+};
+
 /// A scene that cannot be written later should not be traced first.
+Result<Input> read_input(const PrecomputeArguments& arguments, Console& console) {
+  if (const Result<void> ready = check_output(arguments.output); !ready && !arguments.dry_run)
+    return tl::unexpected(ready.error());
+  Input input{arguments.options, {}};
+  if (arguments.sensors) {
+    Result<std::vector<SensorPoint>> sensors = read_sensors(*arguments.sensors);
+    if (!sensors) return tl::unexpected(sensors.error());
+    input.options.sensors = std::move(*sensors);
+  }
+  if (const auto chosen = choose_probes(arguments.probes, input.options); !chosen)
+    return tl::unexpected(chosen.error());
+  Result<Scene> scene = load_scene(arguments.scene);
+  if (!scene) return tl::unexpected(scene.error());
+  for (const std::string& warning : scene->warnings) console.warn(warning);
+  input.scene = std::move(*scene);
+  return input;
+}
+
+ProgressObserver observer(Console& console, const std::function<bool()>& go_on = {}) {
+  return [&console, go_on](std::string_view stage, double fraction) {
+    console.progress(stage, fraction);
+    return !interrupted() && (!go_on || go_on());
+  };
+}
+
+Result<int> run_dry(const PrecomputeArguments& arguments, Console& console) {
+  const Result<Input> input = read_input(arguments, console);
+  if (!input) return tl::unexpected(input.error());
+  PrecomputeReport report;
+  const auto estimate = estimate_precompute(input->scene, input->options, report, observer(console));
+  console.end_progress();
+  if (!estimate) return tl::unexpected(estimate.error());
+  return say_estimate(arguments, *estimate, report, console);
+}
+
+}  // namespace
+
 Result<void> check_output(const std::filesystem::path& output) {
   const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : ".";
   std::error_code code;
@@ -126,45 +169,30 @@ Result<void> check_output(const std::filesystem::path& output) {
               fmt::format("{}: expected a file name in an existing folder, found none.", output.string()));
 }
 
-}  // namespace
-
-Result<int> run(const PrecomputeArguments& arguments, Console& console) {
-  if (const Result<void> ready = check_output(arguments.output); !ready && !arguments.dry_run)
-    return tl::unexpected(ready.error());
-  PrecomputeOptions options = arguments.options;
-  if (arguments.sensors) {
-    Result<std::vector<SensorPoint>> sensors = read_sensors(*arguments.sensors);
-    if (!sensors) return tl::unexpected(sensors.error());
-    options.sensors = std::move(*sensors);
-  }
-  if (const auto chosen = choose_probes(arguments.probes, options); !chosen)
-    return tl::unexpected(chosen.error());
-  const Result<Scene> scene = load_scene(arguments.scene);
-  if (!scene) return tl::unexpected(scene.error());
-  for (const std::string& warning : scene->warnings) console.warn(warning);
-
-  PrecomputeReport report;
-  const auto observe = [&](std::string_view stage, double fraction) {
-    console.progress(stage, fraction);
-    return !interrupted();
-  };
-  if (arguments.dry_run) {
-    const auto estimate = estimate_precompute(*scene, options, report, observe);
-    console.end_progress();
-    if (!estimate) return tl::unexpected(estimate.error());
-    return say_estimate(arguments, *estimate, report, console);
-  }
-  const Result<Model> model = precompute(*scene, options, report, observe);
+Result<PrecomputedFile> precompute_to_file(const PrecomputeArguments& arguments, Console& console,
+                                           const std::function<bool()>& go_on) {
+  const Result<Input> input = read_input(arguments, console);
+  if (!input) return tl::unexpected(input.error());
+  PrecomputedFile file;
+  Result<Model> model = precompute(input->scene, input->options, file.report, observer(console, go_on));
   console.end_progress();
   if (!model) return tl::unexpected(model.error());
-  for (const std::string& warning : report.warnings) console.warn(warning);
-  if (const Result<void> go_on = check_interrupted(); !go_on) return tl::unexpected(go_on.error());
+  for (const std::string& warning : file.report.warnings) console.warn(warning);
+  if (const Result<void> still = check_interrupted(); !still) return tl::unexpected(still.error());
+  if (go_on && !go_on()) return fail(ErrorCode::cancelled, "stopped before the file was written");
   if (const Result<void> written = write_model(*model, arguments.output); !written)
     return tl::unexpected(written.error());
+  file.model = std::move(*model);
+  file.bytes = std::filesystem::file_size(arguments.output);
+  return file;
+}
 
-  const std::uint64_t file_bytes = std::filesystem::file_size(arguments.output);
-  say_report(arguments, report, *model, file_bytes, console);
-  console.finish(report_json(arguments, report, *model, file_bytes));
+Result<int> run(const PrecomputeArguments& arguments, Console& console) {
+  if (arguments.dry_run) return run_dry(arguments, console);
+  const Result<PrecomputedFile> file = precompute_to_file(arguments, console);
+  if (!file) return tl::unexpected(file.error());
+  say_report(arguments, file->report, file->model, file->bytes, console);
+  console.finish(report_json(arguments, file->report, file->model, file->bytes));
   return 0;
 }
 

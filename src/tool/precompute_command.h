@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
+#include "core/model.h"
 #include "precompute/precompute.h"
 #include "tool/console.h"
 
@@ -18,6 +21,21 @@ struct PrecomputeArguments {
   std::optional<std::filesystem::path> sensors;
   std::string probes = "none";  ///< or auto, or a spacing in metres, or a CSV
 };
+
+/// What a precompute left in its file.
+struct PrecomputedFile {
+  Model model;
+  PrecomputeReport report;
+  std::uint64_t bytes = 0;
+};
+
+/// Reads the scene, precomputes and writes. Warnings go to `console`. Cancelled when interrupted, or when
+/// `go_on` (asked now and then) returns false; then nothing is written.
+Result<PrecomputedFile> precompute_to_file(const PrecomputeArguments& arguments, Console& console,
+                                           const std::function<bool()>& go_on = {});
+
+/// Whether the output can be written: its folder exists, and it is no folder itself.
+Result<void> check_output(const std::filesystem::path& output);
 
 /// `relume precompute`. The exit status, or the error that ended it.
 Result<int> run(const PrecomputeArguments& arguments, Console& console);

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <set>
 
+#include "tool/image.h"
 #include "tool/json_value.h"
 
 namespace relume {
@@ -107,6 +108,22 @@ std::string probes_csv(const Model& model, std::span<const ProbeCoefficients> co
   text += '\n';
   for (const auto& line : lines) text += line.second;
   return text;
+}
+
+Result<std::vector<std::byte>> probes_exr(const Model& model,
+                                          std::span<const ProbeCoefficients> coefficients) {
+  constexpr auto kWidth = static_cast<std::uint32_t>(kProbeHarmonics);
+  ColorImage image(kWidth, static_cast<std::uint32_t>(coefficients.size()));
+  std::vector<float> valid(image.pixels.size(), 0.0f);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    image.pixels[i] = glm::vec3(coefficients[i / kProbeHarmonics][i % kProbeHarmonics]);
+  for (const System& system : model.systems) {
+    for (const Probe& probe : system.probes) {
+      if ((probe.flags & kProbeInvalid) != 0) continue;
+      std::fill_n(valid.begin() + std::ptrdiff_t{kWidth} * probe.name, kWidth, 1.0f);
+    }
+  }
+  return encode_exr(image, std::move(valid));
 }
 
 std::vector<std::string> system_file_names(const Model& model) {

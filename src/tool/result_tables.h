@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// What a solve says in numbers: clusters.csv, sensors.csv, probes.csv, lightmaps.json.
+// What a solve says in numbers: clusters.csv, sensors.csv, probes.csv, probes.exr, lightmaps.json.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/bracket.h"
 #include "core/model.h"
 #include "core/probe_coefficients.h"
+#include "core/result.h"
 #include "core/solve.h"
 
 namespace relume {
@@ -28,6 +31,12 @@ std::string sensors_csv(const Model& model, std::span<const Rgb> gather_direct,
 /// Header id,px,py,pz,valid (1 or 0), then c0_r,c0_g,c0_b ... c8_r,c8_g,c8_b: the coefficients of incident
 /// radiance in the order of Harmonics; in the order of the probes' own file.
 std::string probes_csv(const Model& model, std::span<const ProbeCoefficients> coefficients);
+
+/// The same for a renderer to load: a row of nine texels for each probe, by Probe::name, in the order of
+/// Harmonics, so that row by row it is what GpuSolver::probe_coefficients() holds and ProbeCell::probes
+/// count. Alpha is 1 of a valid probe, 0 of one that is invalid or not loaded.
+Result<std::vector<std::byte>> probes_exr(const Model& model,
+                                          std::span<const ProbeCoefficients> coefficients);
 
 /// Names of files are unique and hold only letters, digits, '.', '_' and '-'; one per system.
 std::vector<std::string> system_file_names(const Model& model);

@@ -96,6 +96,13 @@ Result<void> add_bounds(const Model& model, std::span<const Rgb> indirect, const
   return {};
 }
 
+Result<void> add_probes(const Model& model, std::span<const ProbeCoefficients> coefficients,
+                        OutputFolder& folder) {
+  if (coefficients.empty()) return {};
+  folder.add("probes.csv", probes_csv(model, coefficients));
+  return folder.add("probes.exr", probes_exr(model, coefficients));
+}
+
 /// What each lumel looks like on a screen.
 ByteImage shaded_lightmap(const Model& model, std::size_t s, const Lighting& lighting,
                           std::span<const Rgb> irradiance, const ToneCurve& curve) {
@@ -154,7 +161,7 @@ Result<void> make_solve_outputs(const Model& model, const LightingSetup& setup, 
   const Bracket* irradiance_bounds = bracket ? &bracket->irradiance : nullptr;
   folder.add("clusters.csv", clusters_csv(model, setup.lighting, outcome.solution.radiosity, radiosity));
   folder.add("sensors.csv", sensors_csv(model, direct, indirect, irradiance_bounds));
-  if (!model.probe_names.empty()) folder.add("probes.csv", probes_csv(model, outcome.probes));
+  if (const auto added = add_probes(model, outcome.probes, folder); !added) return added;
   std::vector<Rgb> irradiance(direct);
   for (std::size_t row = 0; row < irradiance.size(); ++row) irradiance[row] += indirect[row];
   return add_pictures(model, setup, irradiance, folder);

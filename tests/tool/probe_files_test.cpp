@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// Light probes from a CSV to probes.csv.
+// Light probes from a CSV to probes.csv and probes.exr.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <tinyexr.h>
+
+#include <cstdlib>
 
 #include "tool/program.h"
 
@@ -34,6 +37,26 @@ TEST(ProbeFiles, ProbesInAFurnace) {
   EXPECT_EQ(number(rows[1], "px"), 90.0);
   EXPECT_GT(number(rows[0], "c0_g"), 0.0);
   EXPECT_NEAR(number(rows[0], "c1_g"), 0.0, 0.01 * number(rows[0], "c0_g"));
+
+  // The picture: a row of nine texels for each.
+  float* memory = nullptr;
+  int width = 0, height = 0;
+  const std::string exr = folder / "result" / "probes.exr";
+  ASSERT_EQ(LoadEXR(&memory, &width, &height, exr.c_str(), nullptr), TINYEXR_SUCCESS);
+  const std::vector<float> texels(memory, memory + 4 * std::ptrdiff_t{width} * height);
+  std::free(memory);
+  ASSERT_EQ(width, 9);
+  ASSERT_EQ(height, 2);
+  for (std::size_t p = 0; p < 2; ++p) {
+    for (std::size_t h = 0; h < 9; ++h) {
+      const float* texel = &texels[4 * (9 * p + h)];
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::string column = "c" + std::to_string(h) + "_" + "rgb"[c];
+        EXPECT_FLOAT_EQ(texel[c], float(number(rows[p], column))) << column;
+      }
+      EXPECT_EQ(texel[3], rows[p].at("valid") == "1" ? 1.0f : 0.0f);
+    }
+  }
 }
 
 TEST(ProbeFiles, ABrokenLineOfProbesIsOneErrorAndStatus3) {

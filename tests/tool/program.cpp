@@ -58,6 +58,16 @@ std::vector<std::string> environment_with(const std::vector<std::string>& change
   return all;
 }
 
+bool has_lines(const std::string& file, std::size_t lines) {
+  constexpr int kTries = 2000;
+  for (int i = 0; i < kTries; ++i) {
+    const std::string text = read_text(file);
+    if (std::size_t(std::count(text.begin(), text.end(), '\n')) >= lines) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
+
 std::vector<std::string> split(const std::string& line) {
   std::vector<std::string> cells;
   std::istringstream stream(line);
@@ -67,37 +77,75 @@ std::vector<std::string> split(const std::string& line) {
 
 }  // namespace
 
-Finished run_command(const std::vector<std::string>& command, const std::vector<std::string>& environment,
-                     const Interruption& interruption) {
+Running::Running(const std::vector<std::string>& command, const std::vector<std::string>& environment) {
   const std::filesystem::path folder = fresh_folder();
-  const std::string out = folder / "out.txt";
-  const std::string err = folder / "err.txt";
+  out_ = folder / "out.txt";
+  err_ = folder / "err.txt";
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, 1, out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  posix_spawn_file_actions_addopen(&actions, 2, err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  posix_spawn_file_actions_addopen(&actions, 1, out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  posix_spawn_file_actions_addopen(&actions, 2, err_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   const std::vector<std::string> variables = environment_with(environment);
-  pid_t child = 0;
-  const int failed = posix_spawn(&child, command[0].c_str(), &actions, nullptr, pointers(command).data(),
+  const int failed = posix_spawn(&child_, command[0].c_str(), &actions, nullptr, pointers(command).data(),
                                  pointers(variables).data());
   posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0) {
-    ADD_FAILURE() << command[0] << " could not be started";
-    return {};
-  }
+  if (failed == 0) return;
+  child_ = 0;
+  ADD_FAILURE() << command[0] << " could not be started";
+}
+
+Running::~Running() {
+  if (child_ == 0) return;
+  kill(child_, SIGKILL);
+  waitpid(child_, nullptr, 0);
+}
+
+std::string Running::out() const {
+  return read_text(out_);
+}
+
+std::string Running::err() const {
+  return read_text(err_);
+}
+
+bool Running::wait_for_lines(std::size_t lines) const {
+  return has_lines(out_, lines);
+}
+
+bool Running::wait_for_error_lines(std::size_t lines) const {
+  return has_lines(err_, lines);
+}
+
+void Running::signal(int number) const {
+  if (child_ != 0) kill(child_, number);
+}
+
+Finished Running::finish() {
+  if (child_ == 0) return {};
+  int status = 0;
+  waitpid(child_, &status, 0);
+  child_ = 0;
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), out(), err()};
+}
+
+Finished run_command(const std::vector<std::string>& command, const std::vector<std::string>& environment,
+                     const Interruption& interruption) {
+  Running running(command, environment);
   if (interruption.signal != 0) {
     std::this_thread::sleep_for(interruption.after);
-    kill(child, interruption.signal);
+    running.signal(interruption.signal);
   }
-  int status = 0;
-  waitpid(child, &status, 0);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_text(out), read_text(err)};
+  return running.finish();
+}
+
+std::vector<std::string> relume_command(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), RELUME_PROGRAM);
+  return arguments;
 }
 
 Finished run_relume(std::vector<std::string> arguments, const std::vector<std::string>& environment,
                     const Interruption& interruption) {
-  arguments.insert(arguments.begin(), RELUME_PROGRAM);
-  return run_command(arguments, environment, interruption);
+  return run_command(relume_command(std::move(arguments)), environment, interruption);
 }
 
 nlohmann::json relume_json(std::vector<std::string> arguments) {

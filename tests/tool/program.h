@@ -24,9 +24,34 @@ struct Interruption {
   std::chrono::microseconds after{};
 };
 
+/// A program that runs beside the test; killed when it goes out of scope.
+class Running {
+ public:
+  explicit Running(const std::vector<std::string>& command, const std::vector<std::string>& environment = {});
+  ~Running();
+  Running(const Running&) = delete;
+  Running& operator=(const Running&) = delete;
+
+  std::string out() const;  ///< so far
+  std::string err() const;
+  /// Waits until out() has so many lines, or 20 s; whether it has.
+  bool wait_for_lines(std::size_t lines) const;
+  bool wait_for_error_lines(std::size_t lines) const;
+  void signal(int number) const;
+  /// Waits for the end.
+  Finished finish();
+
+ private:
+  std::string out_, err_;  ///< files
+  int child_ = 0;          ///< 0: ended
+};
+
 /// Runs a program with arguments; `environment` (NAME=VALUE) replaces parts of ours.
 Finished run_command(const std::vector<std::string>& command,
                      const std::vector<std::string>& environment = {}, const Interruption& interruption = {});
+
+/// `relume` with arguments, as a command.
+std::vector<std::string> relume_command(std::vector<std::string> arguments);
 
 /// Runs `relume`.
 Finished run_relume(std::vector<std::string> arguments, const std::vector<std::string>& environment = {},

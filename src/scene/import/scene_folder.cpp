@@ -103,6 +103,12 @@ Result<std::vector<std::byte>> read_regular_file(const fs::path& file, std::uint
   }
 }
 
+std::optional<fs::path> named_file(const fs::path& scene_file, std::string_view uri) {
+  const std::string relative = percent_decoded(uri);
+  if (is_data_uri(uri) || path_objection(relative)) return std::nullopt;
+  return scene_file.parent_path() / relative;
+}
+
 Result<std::vector<std::byte>> read_uri(const fs::path& scene_file, std::string_view place,
                                         std::string_view uri, std::uint64_t max_bytes) {
   const std::string name = scene_file.filename().string();
