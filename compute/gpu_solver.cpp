@@ -96,7 +96,7 @@ Result<void> GpuSolver::bind(std::span<const BufferRange> ranges) {
   if (state_->failure) return tl::unexpected<Error>(*state_->failure);
   auto exact = fit_ranges(buffers(), ranges);
   if (!exact) return tl::unexpected<Error>(exact.error());
-  auto sets = make_solve_sets(state_->host, state_->functions, state_->pipelines, *exact);
+  auto sets = make_solve_sets(state_->host, state_->functions, state_->pipelines, *exact, state_->max_texels);
   if (!sets) {
     latch_failure(*state_, sets.error());
     return tl::unexpected<Error>(sets.error());

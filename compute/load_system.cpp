@@ -14,10 +14,10 @@ std::string name_of(std::uint32_t system) {
 }
 
 Result<MatrixFetch> choose_fetch(const SolverState& state, const SystemLayout& layout) {
-  const VkDeviceSize needed = largest_texel_buffer(layout);
+  const VkDeviceSize needed = largest_texel_buffer(state.layout, layout);
   const bool fits = needed <= state.max_texels;
   if (state.options.fetch == MatrixFetch::texels && !fits) {
-    return fail(ErrorCode::no_device, "a block of the matrices needs texel buffers of " +
+    return fail(ErrorCode::no_device, "the matrices or senders need texel buffers of " +
                                           std::to_string(needed) + " elements, but the device has at most " +
                                           std::to_string(state.max_texels));
   }

@@ -42,6 +42,7 @@ struct DispatchStep {
   std::uint32_t block = 0;  ///< of the bounce or gather matrix, or of the probes
   kernels::Range range{};
   std::uint32_t workgroups = 0;
+  std::uint32_t sweeps = 1;  ///< workgroups along y: see kernels::kSweeps
   /// Form factors, zeros of tiles included; of directions, three times as many; of probes, kProbeEntryCost
   /// for each entry of their lists; of other kernels, the vec4 that they read.
   std::uint64_t cost = 0;

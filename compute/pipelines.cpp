@@ -15,7 +15,7 @@ static_assert(static_cast<kernels::uint>(MatrixFetch::texels) == kernels::kFetch
 
 constexpr std::array<SetShape, kernels::kSets> kSetShapes = [] {
   std::array<SetShape, kernels::kSets> shapes{};
-  shapes[kernels::kSolveSet] = {kernels::kSolveBindings, 0, 0};
+  shapes[kernels::kSolveSet] = {kernels::kSolveBindings, kernels::kSolveTexelBindings, 0};
   shapes[kernels::kSystemSet] = {kernels::kSystemBindings, kernels::kSystemTexelBindings, 0};
   shapes[kernels::kBlockSet] = {kernels::kBlockBindings, kernels::kBlockTexelBindings, 0};
   return shapes;

@@ -114,7 +114,7 @@ class FrameRecorder {
     functions.cmd_bind_descriptor_sets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, set_count,
                                        sets.data(), 0, nullptr);
     functions.cmd_push_constants(commands_, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof range, &range);
-    functions.cmd_dispatch(commands_, step.workgroups, 1, 1);
+    functions.cmd_dispatch(commands_, step.workgroups, step.sweeps, 1);
   }
 
   const SolverState& state_;

@@ -27,7 +27,7 @@ void main() {
   const uint tile_of_group =
       gl_SubgroupID * (gl_SubgroupSize / kLanes) + gl_SubgroupInvocationID / kLanes;
   const uint lane = gl_SubgroupInvocationID & (kLanes - 1u);
-  const uint index = gl_WorkGroupID.x * kWorkgroupSize + tile_of_group * kTileOfRows;
+  const uint index = first_row_of_workgroup() + tile_of_group * kTileOfRows;
   const uint tile = (range.first_row + index) / kTileOfRows;
 
   precise vec3 sums[kTileOfRows];
