@@ -217,8 +217,10 @@ Result<void> add_tuned(StandaloneDevice& device, std::vector<Measurement>& resul
     const auto times = time_row_kernels(device, codec);
     if (!times) return tl::unexpected(times.error());
     const RowKernelTime& best = times->front();
-    result.push_back(
-        {kName, "tuner: " + name_of({best.kernel, best.fetch, codec, 8}), "s/product", {best.seconds}});
+    result.push_back({kName,
+                      "tuner: " + name_of({best.choice.kernel, best.choice.fetch, codec, 8}),
+                      "s/product",
+                      {best.seconds}});
   }
   return {};
 }

@@ -2,6 +2,7 @@
 #include "compute/descriptor_sets.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "compute/pipeline_objects.h"
@@ -46,6 +47,11 @@ SetPlan plan_solve_set(std::span<const BufferRange> ranges, VkDescriptorSet& set
   return plan;
 }
 
+/// What the nodes kernel reads.
+constexpr std::array<TexelPlan, 2> kNodeTexels{
+    {{kernels::kNodeTexelsBinding, kernels::kNodesBinding, VK_FORMAT_R32G32B32A32_UINT, kRgbBytes},
+     {kernels::kNodeShareTexelsBinding, kernels::kNodeSharesBinding, VK_FORMAT_R32_SFLOAT, 4}}};
+
 /// The nodes kernel reads nodes and shares; something must stand in the other places.
 SetPlan plan_sky_set(std::span<const BufferRange> ranges, VkDescriptorSet& set) {
   SetPlan plan{kernels::kSystemSet,
@@ -53,6 +59,7 @@ SetPlan plan_sky_set(std::span<const BufferRange> ranges, VkDescriptorSet& set) 
                std::vector<VkDescriptorBufferInfo>(kernels::kSystemBindings, whole(ranges[kSkyNodes])),
                {}};
   plan.bindings[kernels::kNodeSharesBinding] = whole(ranges[kSkyShares]);
+  plan.texels.assign(kNodeTexels.begin(), kNodeTexels.end());
   return plan;
 }
 
@@ -65,6 +72,7 @@ SetPlan plan_system_set(std::span<const BufferRange> ranges, VkDescriptorSet& se
       {kernels::kAlbedoTexelsBinding, kernels::kAlbedoBinding, kRgbFormat, kRgbBytes},
       {kernels::kExitanceTexelsBinding, kernels::kExitanceBinding, kRgbFormat, kRgbBytes},
       {kernels::kDirectTexelsBinding, kernels::kDirectBinding, kRgbFormat, kRgbBytes}};
+  plan.texels.insert(plan.texels.end(), kNodeTexels.begin(), kNodeTexels.end());
   return plan;
 }
 

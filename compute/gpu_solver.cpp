@@ -51,9 +51,10 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
                                     const SolverOptions& options) {
   const auto limits = device_limits(host);
   if (!limits) return tl::unexpected<Error>(limits.error());
-  if (!supports_row_kernel(host, options.kernel)) {
+  const RowKernel kernel = options.kernel.value_or(default_tile_kernel(host));
+  if (!supports_row_kernel(host, kernel)) {
     return fail(ErrorCode::no_device,
-                "the kernel '" + std::string(row_kernel_name(options.kernel)) +
+                "the kernel '" + std::string(row_kernel_name(kernel)) +
                     "' needs subgroups of 8 or more with shuffles, which the device lacks");
   }
   const std::uint32_t capacity =
@@ -64,7 +65,8 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
   if (!functions) return tl::unexpected<Error>(functions.error());
   auto pipelines = Pipelines::create(host, *functions);
   if (!pipelines) return tl::unexpected<Error>(pipelines.error());
-  std::vector<DispatchStep> sky_nodes = plan_nodes(model.sky_tree, layout->sky_patches);
+  std::vector<DispatchStep> sky_nodes =
+      plan_nodes(model.sky_tree, layout->sky_patches, RowKernel::row_per_8_lanes, MatrixFetch::storage);
   if (!sky_nodes.empty()) {
     if (auto added = pipelines->add(KernelId::nodes, {}); !added) return tl::unexpected<Error>(added.error());
   }
@@ -72,6 +74,7 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
   auto state = std::make_unique<SolverState>(SolverState{host,
                                                          *functions,
                                                          options,
+                                                         kernel,
                                                          layout_limits(*limits),
                                                          limits->maxTexelBufferElements,
                                                          std::move(*layout),

@@ -20,6 +20,7 @@
 #include "spirv/lightmap_rgba16f.h"
 #include "spirv/materials.h"
 #include "spirv/nodes.h"
+#include "spirv/nodes_shuffle.h"
 #include "spirv/probes.h"
 #include "spirv/residual.h"
 #include "spirv/screen.h"
@@ -54,6 +55,8 @@ std::span<const std::uint32_t> kernel_code(KernelId kernel) {
       return directions_spirv;
     case KernelId::nodes:
       return nodes_spirv;
+    case KernelId::nodes_shuffle:
+      return nodes_shuffle_spirv;
     case KernelId::probes:
       return probes_spirv;
     case KernelId::residual:
@@ -108,6 +111,8 @@ const char* kernel_file_name(KernelId kernel) {
       return "directions";
     case KernelId::nodes:
       return "nodes";
+    case KernelId::nodes_shuffle:
+      return "nodes_shuffle";
     case KernelId::probes:
       return "probes";
     case KernelId::residual:

@@ -20,6 +20,7 @@ enum class KernelId : std::uint32_t {
   gather_tile_shuffle,
   directions,
   nodes,
+  nodes_shuffle,
   probes,
   residual,
   lightmap_rgba16f,

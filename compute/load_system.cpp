@@ -79,9 +79,9 @@ Result<void> load_system(SolverState& state, const Model& model, std::uint32_t i
   if (!fetch) return tl::unexpected<Error>(fetch.error());
 
   auto loaded = std::make_unique<LoadedSystem>();
-  loaded->dispatches = plan_dispatches(model.systems[index], *layout, state.options.kernel, *fetch,
+  loaded->dispatches = plan_dispatches(model.systems[index], *layout, state.row_kernel, *fetch,
                                        std::max<std::uint64_t>(state.options.max_dispatch_form_factors, 1));
-  if (auto added = add_pipelines(state.pipelines, loaded->dispatches, state.options.kernel); !added) {
+  if (auto added = add_pipelines(state.pipelines, loaded->dispatches, state.row_kernel); !added) {
     latch_failure(state, added.error());
     return added;
   }

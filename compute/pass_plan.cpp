@@ -118,14 +118,18 @@ std::uint32_t workgroup_count(std::uint64_t threads) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(groups, kernels::kMaxWorkgroups));
 }
 
-std::vector<DispatchStep> plan_nodes(const ClusterTreeNodes& tree, std::uint32_t leaves) {
-  constexpr std::uint32_t kMost = kernels::kMaxWorkgroups * kernels::kRowsPerWorkgroup;
+std::vector<DispatchStep> plan_nodes(const ClusterTreeNodes& tree, std::uint32_t leaves, RowKernel row_kernel,
+                                     MatrixFetch fetch) {
+  const bool shuffles = row_kernel == RowKernel::tile_shuffle;
+  const std::uint32_t nodes_of_group = shuffles ? kernels::kWorkgroupSize : kernels::kRowsPerWorkgroup;
+  const std::uint32_t most = kernels::kMaxWorkgroups * nodes_of_group;
   const auto nodes = static_cast<std::uint32_t>(tree.nodes.size());
   std::vector<DispatchStep> steps;
-  for (std::uint32_t first = 0; first < nodes; first += kMost) {
+  for (std::uint32_t first = 0; first < nodes; first += most) {
     DispatchStep step;
-    step.range = {first, std::min(kMost, nodes - first), leaves, 0};
-    step.workgroups = (step.range.count + kernels::kRowsPerWorkgroup - 1) / kernels::kRowsPerWorkgroup;
+    step.format.fetch = fetch;
+    step.range = {first, std::min(most, nodes - first), leaves, 0};
+    step.workgroups = (step.range.count + nodes_of_group - 1) / nodes_of_group;
     for (std::uint32_t i = first; i < first + step.range.count; ++i) step.cost += tree.nodes[i].count;
     steps.push_back(step);
   }
@@ -142,7 +146,7 @@ SystemDispatches plan_dispatches(const System& system, const SystemLayout& layou
   set(StepKernel::import_radiosity,
       plan_elements(layout.imports, layout.imports + layout.import_parts, fetch));
   set(StepKernel::bounce, plan_rows(system.bounce, row_kernel, fetch, max_form_factors));
-  set(StepKernel::nodes, plan_nodes(system.tree, layout.clusters));
+  set(StepKernel::nodes, plan_nodes(system.tree, layout.clusters, row_kernel, fetch));
   set(StepKernel::residual, plan_elements(layout.clusters, layout.clusters, fetch));
   set(StepKernel::gather, plan_rows(system.gather, row_kernel, fetch, max_form_factors));
   set(StepKernel::directions, plan_directions(system.gather, fetch, max_form_factors));

@@ -73,7 +73,8 @@ SystemDispatches plan_dispatches(const System& system, const SystemLayout& layou
                                  MatrixFetch fetch, std::uint64_t max_form_factors);
 
 /// The dispatches that bring the nodes of a tree over `leaves` leaves up to date.
-std::vector<DispatchStep> plan_nodes(const ClusterTreeNodes& tree, std::uint32_t leaves);
+std::vector<DispatchStep> plan_nodes(const ClusterTreeNodes& tree, std::uint32_t leaves, RowKernel row_kernel,
+                                     MatrixFetch fetch);
 
 /// Sum of costs.
 std::uint64_t dispatch_cost(const std::vector<DispatchStep>& dispatches);

@@ -65,7 +65,7 @@ KernelId step_kernel_id(StepKernel step, RowKernel row_kernel, std::uint32_t til
     case StepKernel::start:
       return KernelId::start;
     case StepKernel::nodes:
-      return KernelId::nodes;
+      return row_kernel == RowKernel::tile_shuffle ? KernelId::nodes_shuffle : KernelId::nodes;
     case StepKernel::residual:
       return KernelId::residual;
     case StepKernel::directions:

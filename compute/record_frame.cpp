@@ -75,7 +75,7 @@ class FrameRecorder {
     if (step.kernel == StepKernel::gather || step.kernel == StepKernel::directions)
       sets[set_count++] = system.sets.gather[planned.block];
     if (step.kernel == StepKernel::probes) sets[set_count++] = system.sets.probes[planned.block];
-    dispatch(step_kernel_id(step.kernel, state_.options.kernel, planned.format.tile_rows), planned,
+    dispatch(step_kernel_id(step.kernel, state_.row_kernel, planned.format.tile_rows), planned,
              range_of(step, system, planned), sets, set_count);
   }
 

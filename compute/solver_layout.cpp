@@ -196,7 +196,8 @@ Result<SystemLayout> system_layout(const Model& model, std::uint32_t index, cons
 VkDeviceSize largest_texel_buffer(const SolverLayout& solver, const SystemLayout& layout) {
   const VkDeviceSize senders = solver.sky_senders() + 2 * VkDeviceSize{solver.sender_capacity};
   const VkDeviceSize imports = VkDeviceSize{layout.imports} + layout.import_parts;
-  VkDeviceSize bytes = std::max(senders, imports) * sizeof(std::uint32_t);
+  const VkDeviceSize shares = layout.node_leaves;
+  VkDeviceSize bytes = std::max({senders, imports, shares}) * sizeof(std::uint32_t);
   for (const auto* blocks : {&layout.bounce, &layout.gather}) {
     for (const BlockLayout& block : *blocks) {
       for (const Section& section : block.sections) bytes = std::max(bytes, section.byte_size);

@@ -32,6 +32,7 @@ struct SolverState {
   HostDevice host;
   DeviceFunctions functions;
   SolverOptions options;
+  RowKernel row_kernel;
   LayoutLimits limits;
   VkDeviceSize max_texels;  ///< of a texel buffer
   SolverLayout layout;

@@ -7,6 +7,7 @@
 #include <glm/common.hpp>
 #include <limits>
 
+#include "compute/row_kernels.h"
 #include "compute/standalone/solver_session.h"
 #include "kernels/shared/limits.h"
 
@@ -242,7 +243,7 @@ Result<ContractionBound> bound_on_device(SolverSession& session, const Lighting&
 }  // namespace
 
 RowKernel default_row_kernel(const StandaloneDevice& device, const Model& model) {
-  if (has_tiles(model)) return RowKernel::tile_shared;
+  if (has_tiles(model)) return default_tile_kernel(device.host());
   const bool processor = device.type() == VK_PHYSICAL_DEVICE_TYPE_CPU;
   return processor ? RowKernel::row_per_thread : RowKernel::row_per_8_lanes;
 }

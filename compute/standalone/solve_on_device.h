@@ -17,8 +17,8 @@
 
 namespace relume {
 
-/// tile_shared for rows in tiles, which needs no subgroups; else row_per_thread on a processor,
-/// row_per_8_lanes elsewhere.
+/// For rows in tiles that of SolverOptions; else row_per_thread on a processor, row_per_8_lanes elsewhere.
+/// Not measured: see tuned_row_kernel.
 RowKernel default_row_kernel(const StandaloneDevice& device, const Model& model);
 
 struct DeviceSolveOptions {

@@ -48,7 +48,9 @@ const uint kLocalRadiosityTexelsBinding = 10u;  // rgba32f, as the three that fo
 const uint kAlbedoTexelsBinding = 11u;
 const uint kExitanceTexelsBinding = 12u;
 const uint kDirectTexelsBinding = 13u;
-const uint kSystemTexelBindings = 5u;
+const uint kNodeTexelsBinding = 14u;       // rgba32ui
+const uint kNodeShareTexelsBinding = 15u;  // r32f
+const uint kSystemTexelBindings = 7u;
 
 /// Set of one block of a bounce or gather matrix, in the format of core/block_matrix.h, or of the light
 /// probes of a system.

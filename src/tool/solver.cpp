@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 
 #include "compute/standalone/solve_on_device.h"
 #include "compute/standalone/standalone_device.h"
+#include "compute/standalone/tune_row_kernel.h"
 #include "core/methods/room_correction.h"
 #include "core/reference_solver.h"
 #include "tool/interrupt.h"
@@ -71,8 +74,9 @@ Result<SolveOutcome> solve_by_reference(const Model& model, const Lighting& ligh
   return outcome;
 }
 
-JsonObject seconds_json(const DeviceSeconds& seconds, double device) {
+JsonObject seconds_json(const DeviceSeconds& seconds, double device, double tuning) {
   return {{"device", device},
+          {"tuning", tuning},
           {"contraction", seconds.contraction},
           {"create", seconds.create},
           {"upload", seconds.upload},
@@ -81,6 +85,30 @@ JsonObject seconds_json(const DeviceSeconds& seconds, double device) {
           {"download", seconds.download},
           {"gpu_bounces", seconds.gpu_bounces},
           {"gpu_gather", seconds.gpu_gather}};
+}
+
+/// Where programs keep what they can find out again; empty: nowhere.
+std::filesystem::path kernel_cache() {
+  const auto folder = [](const char* name) -> std::filesystem::path {
+    const char* value = std::getenv(name);
+    return value != nullptr ? value : "";
+  };
+  std::filesystem::path cache = folder("XDG_CACHE_HOME");
+  if (cache.empty() && !folder("HOME").empty()) cache = folder("HOME") / ".cache";
+  return cache.empty() ? cache : cache / "relume" / "kernels";
+}
+
+/// What was asked for, else what the device is fastest with.
+Result<void> choose_kernel(StandaloneDevice& device, const Model& model, const std::string& asked_for,
+                           DeviceSolveOptions& options) {
+  options.kernel = row_kernel_from_name(asked_for);
+  if (options.kernel) return {};
+  const auto tuned = tuned_row_kernel(device, model, kernel_cache());
+  if (!tuned) return tl::unexpected(tuned.error());
+  options.kernel = tuned->kernel;
+  // Texel buffers are the solver's own choice, where they fit.
+  if (tuned->fetch == MatrixFetch::storage) options.fetch = tuned->fetch;
+  return {};
 }
 
 Result<SolveOutcome> solve_by_vulkan(const Model& model, const Lighting& lighting, const StopRule& rule,
@@ -95,7 +123,9 @@ Result<SolveOutcome> solve_by_vulkan(const Model& model, const Lighting& lightin
   if (!device) return tl::unexpected(device.error());
   const double device_seconds = watch.lap();
   DeviceSolveOptions options;
-  options.kernel = row_kernel_from_name(choice.kernel);
+  if (auto chosen = choose_kernel(*device, model, choice.kernel, options); !chosen)
+    return tl::unexpected(chosen.error());
+  const double tuning_seconds = watch.lap();
   options.observer = show_progress(rule, console);
   Result<DeviceSolution> solved = solve_on_device(*device, model, lighting, rule, options);
   if (!solved) return tl::unexpected(solved.error());
@@ -113,7 +143,7 @@ Result<SolveOutcome> solve_by_vulkan(const Model& model, const Lighting& lightin
   outcome.probes = std::move(solved->probes);
   outcome.device = std::move(solved->device);
   outcome.kernel = std::move(solved->kernel);
-  outcome.seconds = seconds_json(solved->seconds, device_seconds);
+  outcome.seconds = seconds_json(solved->seconds, device_seconds, tuning_seconds);
   return outcome;
 }
 
