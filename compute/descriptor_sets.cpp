@@ -206,6 +206,24 @@ Result<SolveSets> make_solve_sets(const HostDevice& host, const DeviceFunctions&
   return sets;
 }
 
+Result<RoomSets> make_room_sets(const HostDevice& host, const DeviceFunctions& functions,
+                                const Pipelines& pipelines, std::vector<BufferRange> ranges,
+                                VkDeviceSize max_texels) {
+  RoomSets sets;
+  SetPlan plan{kernels::kBlockSet, &sets.rooms, {}, {}};
+  for (const BufferRange& range : ranges) plan.bindings.push_back(whole(range));
+  plan.texels = {{kernels::kRoomEntryTexelsBinding, kernels::kRoomEntriesBinding, VK_FORMAT_R32G32_UINT, 8}};
+  std::vector<SetPlan> plans{std::move(plan)};
+  if (auto made = make_texel_views(host, functions, max_texels, plans, sets.texel_views); !made) {
+    return tl::unexpected<Error>(made.error());
+  }
+  auto pool = make_sets(host, functions, pipelines, plans);
+  if (!pool) return tl::unexpected<Error>(pool.error());
+  sets.pool = std::move(*pool);
+  sets.ranges = std::move(ranges);
+  return sets;
+}
+
 Result<SystemSets> make_system_sets(const HostDevice& host, const DeviceFunctions& functions,
                                     const Pipelines& pipelines, const SystemLayout& layout,
                                     std::span<const BufferRange> ranges, const BufferRange& coefficients,

@@ -30,6 +30,18 @@ struct SystemSets {
   std::vector<VkDescriptorSet> probes;  ///< per block
 };
 
+struct RoomSets {
+  std::vector<VulkanHandle<VkBufferView>> texel_views;
+  std::vector<BufferRange> ranges;  ///< per RoomBuffer
+  VulkanHandle<VkDescriptorPool> pool;
+  VkDescriptorSet rooms = VK_NULL_HANDLE;  ///< a kBlockSet
+};
+
+/// `ranges` has one entry per RoomBuffer.
+Result<RoomSets> make_room_sets(const HostDevice& host, const DeviceFunctions& functions,
+                                const Pipelines& pipelines, std::vector<BufferRange> ranges,
+                                VkDeviceSize max_texels);
+
 /// `ranges` has one entry per buffer of the layout of the whole solve. Texel buffers show no more than
 /// `max_texels` elements; a device that has fewer than a buffer holds must use MatrixFetch::storage.
 Result<SolveSets> make_solve_sets(const HostDevice& host, const DeviceFunctions& functions,

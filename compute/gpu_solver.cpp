@@ -85,6 +85,7 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
                                                          {},
                                                          {},
                                                          {},
+                                                         {},
                                                          {}});
   state->systems.resize(systems);
   state->traits.resize(systems);
@@ -138,6 +139,19 @@ Result<void> GpuSolver::load(const Model& model, std::uint32_t system, const Buf
 
 void GpuSolver::unload(std::uint32_t system) {
   unload_system(*state_, system);
+}
+
+Result<void> GpuSolver::bind_rooms(const RoomTables& tables, std::span<const BufferRange> ranges) {
+  if (state_->failure) return tl::unexpected<Error>(*state_->failure);
+  auto bound = load_rooms(*state_, tables, ranges);
+  if (!bound && bound.error().code != ErrorCode::usage) latch_failure(*state_, bound.error());
+  return bound;
+}
+
+UploadData GpuSolver::room_data(const RoomTables& tables) const {
+  UploadData data = room_upload(tables);
+  data.targets = state_->rooms->ranges;
+  return data;
 }
 
 bool GpuSolver::loaded(std::uint32_t system) const {

@@ -5,6 +5,7 @@
 #include "spirv/bounce_row_per_thread.h"
 #include "spirv/bounce_tile_shared.h"
 #include "spirv/bounce_tile_shuffle.h"
+#include "spirv/correct_rooms.h"
 #include "spirv/direct_clusters.h"
 #include "spirv/direct_gather.h"
 #include "spirv/direct_sum.h"
@@ -23,8 +24,10 @@
 #include "spirv/nodes_shuffle.h"
 #include "spirv/probes.h"
 #include "spirv/residual.h"
+#include "spirv/restrict_rooms.h"
 #include "spirv/screen.h"
 #include "spirv/shadow_rays.h"
+#include "spirv/solve_rooms.h"
 #include "spirv/start.h"
 
 namespace relume {
@@ -61,6 +64,12 @@ std::span<const std::uint32_t> kernel_code(KernelId kernel) {
       return probes_spirv;
     case KernelId::residual:
       return residual_spirv;
+    case KernelId::restrict_rooms:
+      return restrict_rooms_spirv;
+    case KernelId::solve_rooms:
+      return solve_rooms_spirv;
+    case KernelId::correct_rooms:
+      return correct_rooms_spirv;
     case KernelId::lightmap_rgba16f:
       return lightmap_rgba16f_spirv;
     case KernelId::lightmap_r11g11b10f:
@@ -117,6 +126,12 @@ const char* kernel_file_name(KernelId kernel) {
       return "probes";
     case KernelId::residual:
       return "residual";
+    case KernelId::restrict_rooms:
+      return "restrict_rooms";
+    case KernelId::solve_rooms:
+      return "solve_rooms";
+    case KernelId::correct_rooms:
+      return "correct_rooms";
     case KernelId::lightmap_rgba16f:
       return "lightmap_rgba16f";
     case KernelId::lightmap_r11g11b10f:

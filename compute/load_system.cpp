@@ -24,6 +24,8 @@ Result<MatrixFetch> choose_fetch(const SolverState& state, const SystemLayout& l
   return state.options.fetch.value_or(fits ? MatrixFetch::texels : MatrixFetch::storage);
 }
 
+}  // namespace
+
 Result<void> add_pipelines(Pipelines& pipelines, const SystemDispatches& dispatches, RowKernel row_kernel) {
   for (std::size_t kernel = 0; kernel < kStepKernels; ++kernel) {
     for (const DispatchStep& step : dispatches[kernel]) {
@@ -33,8 +35,6 @@ Result<void> add_pipelines(Pipelines& pipelines, const SystemDispatches& dispatc
   }
   return {};
 }
-
-}  // namespace
 
 Result<std::vector<BufferRange>> allocate_ranges(std::span<const BufferRequirement> needed,
                                                  const BufferAllocator& allocate) {
@@ -110,6 +110,7 @@ Result<void> load_system(SolverState& state, const Model& model, std::uint32_t i
 
 void unload_system(SolverState& state, std::uint32_t index) {
   if (index >= state.systems.size() || !state.systems[index]) return;
+  unload_rooms(state);
   const LoadedSystem& system = *state.systems[index];
   if (system.layout.senders() > 0) state.senders.give_back(system.first_sender - state.layout.sky_senders());
   state.systems[index].reset();

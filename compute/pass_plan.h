@@ -24,9 +24,12 @@ enum class StepKernel : std::uint32_t {
   residual,
   gather,
   directions,
-  probes
+  probes,
+  restrict_rooms,
+  solve_rooms,
+  correct_rooms
 };
-inline constexpr std::size_t kStepKernels = 8;
+inline constexpr std::size_t kStepKernels = 11;
 
 /// What a row kernel is compiled for.
 struct BlockFormat {

@@ -72,6 +72,12 @@ KernelId step_kernel_id(StepKernel step, RowKernel row_kernel, std::uint32_t til
       return KernelId::directions;
     case StepKernel::probes:
       return KernelId::probes;
+    case StepKernel::restrict_rooms:
+      return KernelId::restrict_rooms;
+    case StepKernel::solve_rooms:
+      return KernelId::solve_rooms;
+    case StepKernel::correct_rooms:
+      return KernelId::correct_rooms;
     case StepKernel::import_radiosity:
       break;
   }

@@ -26,6 +26,12 @@ const uint kTileOfRows = 8u;
 /// however lengths of rows change from one end to the other.
 const uint kSweeps = 16u;
 
+/// Rooms that have a correction: their equations fit the 16 KiB of shared memory that every device offers.
+const uint kMaxRooms = 32u;
+
+/// Pairs of sums of a system: of every room that sees, and every one that is seen or none.
+const uint kRoomPairs = kMaxRooms * (kMaxRooms + 1u);
+
 /// Every device offers at least this many workgroups along x.
 const uint kMaxWorkgroups = 65535u;
 
