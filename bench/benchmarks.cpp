@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kLumels = 12000.0;
 
-constexpr std::array<Benchmark, 7> kBenchmarks{{
+constexpr std::array<Benchmark, 8> kBenchmarks{{
     {"precompute_vs_embree", "time of a precompute against that of bare Embree for the same rays",
      precompute_vs_embree},
     {"error", "error and size of models for error targets and flat budgets, against a converged answer",
@@ -27,6 +27,7 @@ constexpr std::array<Benchmark, 7> kBenchmarks{{
     {"shadow_rays", "shadow rays a second of the device against Embree, and milliseconds for lights",
      shadow_rays},
     {"solve", "form factors a second of the reference product and of each device kernel", solve},
+    {"levels", "products of bounces and of two levels on the device, with albedos raised", levels},
     {"frame", "milliseconds of the stages of a frame, of what changes in it, and to the first one", frame},
     {"tracking", "how far frames of one and two bounces are behind a lamp on a circle", tracking},
 }};

@@ -2,6 +2,7 @@
 #include "compute/descriptor_sets.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "compute/pipeline_objects.h"
@@ -19,6 +20,9 @@ struct TexelPlan {
   VkDeviceSize texel_bytes = 0;
   VkBufferView view = VK_NULL_HANDLE;
 };
+
+/// Of a quantity per element: kRgbBytes.
+constexpr VkFormat kRgbFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 
 /// What one descriptor set binds, and where the set goes.
 struct SetPlan {
@@ -39,8 +43,14 @@ VkDescriptorBufferInfo whole(const BufferRange& range) {
 SetPlan plan_solve_set(std::span<const BufferRange> ranges, VkDescriptorSet& set) {
   SetPlan plan{kernels::kSolveSet, &set, {}, {}};
   for (std::uint32_t i = 0; i < kernels::kSolveBindings; ++i) plan.bindings.push_back(whole(ranges[i]));
+  plan.texels = {{kernels::kRadiosityTexelsBinding, kernels::kRadiosityBinding, kRgbFormat, kRgbBytes}};
   return plan;
 }
+
+/// What the nodes kernel reads.
+constexpr std::array<TexelPlan, 2> kNodeTexels{
+    {{kernels::kNodeTexelsBinding, kernels::kNodesBinding, VK_FORMAT_R32G32B32A32_UINT, kRgbBytes},
+     {kernels::kNodeShareTexelsBinding, kernels::kNodeSharesBinding, VK_FORMAT_R32_SFLOAT, 4}}};
 
 /// The nodes kernel reads nodes and shares; something must stand in the other places.
 SetPlan plan_sky_set(std::span<const BufferRange> ranges, VkDescriptorSet& set) {
@@ -49,14 +59,20 @@ SetPlan plan_sky_set(std::span<const BufferRange> ranges, VkDescriptorSet& set) 
                std::vector<VkDescriptorBufferInfo>(kernels::kSystemBindings, whole(ranges[kSkyNodes])),
                {}};
   plan.bindings[kernels::kNodeSharesBinding] = whole(ranges[kSkyShares]);
+  plan.texels.assign(kNodeTexels.begin(), kNodeTexels.end());
   return plan;
 }
 
 SetPlan plan_system_set(std::span<const BufferRange> ranges, VkDescriptorSet& set) {
   SetPlan plan{kernels::kSystemSet, &set, {}, {}};
   for (std::uint32_t i = 0; i < kernels::kSystemBindings; ++i) plan.bindings.push_back(whole(ranges[i]));
-  plan.texels = {{kernels::kLocalRadiosityTexelsBinding, kernels::kLocalRadiosityBinding,
-                  VK_FORMAT_R32G32B32A32_SFLOAT, kRgbBytes}};
+  plan.texels = {
+      {kernels::kImportTexelsBinding, kernels::kImportsBinding, VK_FORMAT_R32G32B32A32_UINT, kRgbBytes},
+      {kernels::kLocalRadiosityTexelsBinding, kernels::kLocalRadiosityBinding, kRgbFormat, kRgbBytes},
+      {kernels::kAlbedoTexelsBinding, kernels::kAlbedoBinding, kRgbFormat, kRgbBytes},
+      {kernels::kExitanceTexelsBinding, kernels::kExitanceBinding, kRgbFormat, kRgbBytes},
+      {kernels::kDirectTexelsBinding, kernels::kDirectBinding, kRgbFormat, kRgbBytes}};
+  plan.texels.insert(plan.texels.end(), kNodeTexels.begin(), kNodeTexels.end());
   return plan;
 }
 
@@ -76,7 +92,9 @@ void plan_block_sets(const std::vector<BlockLayout>& blocks, std::span<const Buf
     plan.texels = {{kernels::kColumnTexelsBinding, kernels::kColumnsBinding, VK_FORMAT_R32_UINT, 4},
                    {kernels::kValueTexelsBinding, kernels::kValuesBinding, VK_FORMAT_R32_UINT, 4},
                    {kernels::kCodeTexelsBinding, kernels::kValuesBinding, blocks[i].code_format,
-                    texel_bytes(blocks[i].code_format)}};
+                    texel_bytes(blocks[i].code_format)},
+                   {kernels::kTileOffsetTexelsBinding, kernels::kTileOffsetsBinding, VK_FORMAT_R32_UINT, 4},
+                   {kernels::kRowScaleTexelsBinding, kernels::kRowScalesBinding, VK_FORMAT_R32_SFLOAT, 4}};
     plans.push_back(std::move(plan));
   }
 }
@@ -175,12 +193,34 @@ Result<VulkanHandle<VkDescriptorPool>> make_sets(const HostDevice& host, const D
 }  // namespace
 
 Result<SolveSets> make_solve_sets(const HostDevice& host, const DeviceFunctions& functions,
-                                  const Pipelines& pipelines, std::span<const BufferRange> ranges) {
+                                  const Pipelines& pipelines, std::span<const BufferRange> ranges,
+                                  VkDeviceSize max_texels) {
   SolveSets sets;
-  const std::vector<SetPlan> plans = {plan_solve_set(ranges, sets.solve), plan_sky_set(ranges, sets.sky)};
+  std::vector<SetPlan> plans = {plan_solve_set(ranges, sets.solve), plan_sky_set(ranges, sets.sky)};
+  if (auto made = make_texel_views(host, functions, max_texels, plans, sets.texel_views); !made) {
+    return tl::unexpected<Error>(made.error());
+  }
   auto pool = make_sets(host, functions, pipelines, plans);
   if (!pool) return tl::unexpected<Error>(pool.error());
   sets.pool = std::move(*pool);
+  return sets;
+}
+
+Result<RoomSets> make_room_sets(const HostDevice& host, const DeviceFunctions& functions,
+                                const Pipelines& pipelines, std::vector<BufferRange> ranges,
+                                VkDeviceSize max_texels) {
+  RoomSets sets;
+  SetPlan plan{kernels::kBlockSet, &sets.rooms, {}, {}};
+  for (const BufferRange& range : ranges) plan.bindings.push_back(whole(range));
+  plan.texels = {{kernels::kRoomEntryTexelsBinding, kernels::kRoomEntriesBinding, VK_FORMAT_R32G32_UINT, 8}};
+  std::vector<SetPlan> plans{std::move(plan)};
+  if (auto made = make_texel_views(host, functions, max_texels, plans, sets.texel_views); !made) {
+    return tl::unexpected<Error>(made.error());
+  }
+  auto pool = make_sets(host, functions, pipelines, plans);
+  if (!pool) return tl::unexpected<Error>(pool.error());
+  sets.pool = std::move(*pool);
+  sets.ranges = std::move(ranges);
   return sets;
 }
 

@@ -15,6 +15,7 @@
 namespace relume {
 
 struct SolveSets {
+  std::vector<VulkanHandle<VkBufferView>> texel_views;
   VulkanHandle<VkDescriptorPool> pool;
   VkDescriptorSet solve = VK_NULL_HANDLE;
   VkDescriptorSet sky = VK_NULL_HANDLE;  ///< as of a system, for the nodes kernel alone
@@ -29,13 +30,26 @@ struct SystemSets {
   std::vector<VkDescriptorSet> probes;  ///< per block
 };
 
-/// `ranges` has one entry per buffer of the layout of the whole solve.
-Result<SolveSets> make_solve_sets(const HostDevice& host, const DeviceFunctions& functions,
-                                  const Pipelines& pipelines, std::span<const BufferRange> ranges);
+struct RoomSets {
+  std::vector<VulkanHandle<VkBufferView>> texel_views;
+  std::vector<BufferRange> ranges;  ///< per RoomBuffer
+  VulkanHandle<VkDescriptorPool> pool;
+  VkDescriptorSet rooms = VK_NULL_HANDLE;  ///< a kBlockSet
+};
 
-/// `ranges` has one entry per buffer of the system; `coefficients`: of the probes of all. Texel buffers show
-/// no more than `max_texels` elements; a device that has fewer than a buffer holds must use
-/// MatrixFetch::storage.
+/// `ranges` has one entry per RoomBuffer.
+Result<RoomSets> make_room_sets(const HostDevice& host, const DeviceFunctions& functions,
+                                const Pipelines& pipelines, std::vector<BufferRange> ranges,
+                                VkDeviceSize max_texels);
+
+/// `ranges` has one entry per buffer of the layout of the whole solve. Texel buffers show no more than
+/// `max_texels` elements; a device that has fewer than a buffer holds must use MatrixFetch::storage.
+Result<SolveSets> make_solve_sets(const HostDevice& host, const DeviceFunctions& functions,
+                                  const Pipelines& pipelines, std::span<const BufferRange> ranges,
+                                  VkDeviceSize max_texels);
+
+/// `ranges` has one entry per buffer of the system; `coefficients`: of the probes of all;
+/// `max_texels`: as above.
 Result<SystemSets> make_system_sets(const HostDevice& host, const DeviceFunctions& functions,
                                     const Pipelines& pipelines, const SystemLayout& layout,
                                     std::span<const BufferRange> ranges, const BufferRange& coefficients,

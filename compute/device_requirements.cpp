@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::uint32_t kStorageBuffers =
     kernels::kSolveBindings + kernels::kSystemBindings + kernels::kBlockBindings;
-constexpr std::uint32_t kTexelBuffers = kernels::kSystemTexelBindings + kernels::kBlockTexelBindings;
+constexpr std::uint32_t kTexelBuffers =
+    kernels::kSolveTexelBindings + kernels::kSystemTexelBindings + kernels::kBlockTexelBindings;
 
 struct LimitCheck {
   const char* name;

@@ -29,7 +29,14 @@ StepKernel kernel_of(PassStage stage) {
       return StepKernel::start;
     case PassStage::start_nodes:
     case PassStage::nodes:
+    case PassStage::corrected_nodes:
       return StepKernel::nodes;
+    case PassStage::restrict_rooms:
+      return StepKernel::restrict_rooms;
+    case PassStage::solve_rooms:
+      return StepKernel::solve_rooms;
+    case PassStage::correct_rooms:
+      return StepKernel::correct_rooms;
     case PassStage::bounce:
       return StepKernel::bounce;
     case PassStage::residual:
@@ -51,6 +58,13 @@ StepKernel kernel_of(PassStage stage) {
 /// Bounces write the half that does not count yet.
 bool writes_other_half(PassStage stage) {
   return stage == PassStage::bounce || stage == PassStage::nodes;
+}
+
+/// Nodes that are about to change again.
+bool corrected_later(const PassProgress& pass) {
+  if (!pass.correct) return false;
+  return (pass.stage == PassStage::start_nodes && pass.bounces > 0) ||
+         (pass.stage == PassStage::nodes && pass.bounces > 1);
 }
 
 /// How much a bounce of a system lowers the bound on its error.
@@ -134,6 +148,7 @@ class Planner {
 
   /// False when the frame is full.
   bool run_member(PassProgress& pass) {
+    if (corrected_later(pass)) return true;
     const std::uint32_t s = pass.systems[pass.member];
     SystemProgress& system = state().systems[s];
     const StepKernel kernel = kernel_of(pass.stage);
@@ -167,6 +182,19 @@ class Planner {
       case PassStage::start_nodes:
         for (const std::uint32_t s : pass.systems) state().systems[s].started = true;
         return next_bounce(pass);
+      case PassStage::restrict_rooms:
+        pass.stage = PassStage::solve_rooms;
+        return;
+      case PassStage::solve_rooms:
+        pass.stage = PassStage::correct_rooms;
+        return;
+      case PassStage::correct_rooms:
+        for (const std::uint32_t s : pass.systems) state().systems[s].error = state().largest_radiosity;
+        pass.stage = PassStage::corrected_nodes;
+        return;
+      case PassStage::corrected_nodes:
+        pass.stage = PassStage::import;
+        return;
       case PassStage::import:
         pass.stage = PassStage::bounce;
         return;
@@ -200,7 +228,7 @@ class Planner {
 
   void next_bounce(PassProgress& pass) {
     if (pass.bounces > 0) {
-      pass.stage = PassStage::import;
+      pass.stage = pass.correct ? PassStage::restrict_rooms : PassStage::import;
     } else if (pass.residual) {
       pass.stage = PassStage::residual;
     } else {
@@ -328,6 +356,18 @@ FramePlan plan_frame(Traits traits, const Schedule& schedule, const FrameWishes&
   return planner.finish();
 }
 
+namespace {
+
+/// One that is missing would not take part in the equations of the rooms.
+bool all_active(Traits traits, const Schedule& schedule) {
+  for (std::size_t s = 0; s < traits.size(); ++s) {
+    if (traits[s].loaded && !schedule.systems[s].active) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 FramePlan plan_together(Traits traits, const Schedule& schedule, const PassWishes& wishes) {
   Planner planner(traits, schedule, wishes.max_form_factors, 0.0);
   planner.start_new();
@@ -341,6 +381,7 @@ FramePlan plan_together(Traits traits, const Schedule& schedule, const PassWishe
     }
     pass.stage = wishes.restart ? PassStage::start : PassStage::start_nodes;
     pass.bounces = wishes.bounces;
+    pass.correct = wishes.correct && all_active(traits, schedule);
     pass.residual = wishes.residual;
     pass.gather = wishes.gather ? GatherRule::always : GatherRule::never;
   }

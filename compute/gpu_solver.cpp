@@ -51,9 +51,10 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
                                     const SolverOptions& options) {
   const auto limits = device_limits(host);
   if (!limits) return tl::unexpected<Error>(limits.error());
-  if (!supports_row_kernel(host, options.kernel)) {
+  const RowKernel kernel = options.kernel.value_or(default_tile_kernel(host));
+  if (!supports_row_kernel(host, kernel)) {
     return fail(ErrorCode::no_device,
-                "the kernel '" + std::string(row_kernel_name(options.kernel)) +
+                "the kernel '" + std::string(row_kernel_name(kernel)) +
                     "' needs subgroups of 8 or more with shuffles, which the device lacks");
   }
   const std::uint32_t capacity =
@@ -64,7 +65,8 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
   if (!functions) return tl::unexpected<Error>(functions.error());
   auto pipelines = Pipelines::create(host, *functions);
   if (!pipelines) return tl::unexpected<Error>(pipelines.error());
-  std::vector<DispatchStep> sky_nodes = plan_nodes(model.sky_tree, layout->sky_patches);
+  std::vector<DispatchStep> sky_nodes =
+      plan_nodes(model.sky_tree, layout->sky_patches, RowKernel::row_per_8_lanes, MatrixFetch::storage);
   if (!sky_nodes.empty()) {
     if (auto added = pipelines->add(KernelId::nodes, {}); !added) return tl::unexpected<Error>(added.error());
   }
@@ -72,12 +74,14 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
   auto state = std::make_unique<SolverState>(SolverState{host,
                                                          *functions,
                                                          options,
+                                                         kernel,
                                                          layout_limits(*limits),
                                                          limits->maxTexelBufferElements,
                                                          std::move(*layout),
                                                          std::move(*pipelines),
                                                          std::move(sky_nodes),
                                                          SenderRanges(2 * capacity),
+                                                         {},
                                                          {},
                                                          {},
                                                          {},
@@ -96,7 +100,7 @@ Result<void> GpuSolver::bind(std::span<const BufferRange> ranges) {
   if (state_->failure) return tl::unexpected<Error>(*state_->failure);
   auto exact = fit_ranges(buffers(), ranges);
   if (!exact) return tl::unexpected<Error>(exact.error());
-  auto sets = make_solve_sets(state_->host, state_->functions, state_->pipelines, *exact);
+  auto sets = make_solve_sets(state_->host, state_->functions, state_->pipelines, *exact, state_->max_texels);
   if (!sets) {
     latch_failure(*state_, sets.error());
     return tl::unexpected<Error>(sets.error());
@@ -135,6 +139,19 @@ Result<void> GpuSolver::load(const Model& model, std::uint32_t system, const Buf
 
 void GpuSolver::unload(std::uint32_t system) {
   unload_system(*state_, system);
+}
+
+Result<void> GpuSolver::bind_rooms(const RoomTables& tables, std::span<const BufferRange> ranges) {
+  if (state_->failure) return tl::unexpected<Error>(*state_->failure);
+  auto bound = load_rooms(*state_, tables, ranges);
+  if (!bound && bound.error().code != ErrorCode::usage) latch_failure(*state_, bound.error());
+  return bound;
+}
+
+UploadData GpuSolver::room_data(const RoomTables& tables) const {
+  UploadData data = room_upload(tables);
+  data.targets = state_->rooms->ranges;
+  return data;
 }
 
 bool GpuSolver::loaded(std::uint32_t system) const {

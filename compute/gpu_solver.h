@@ -71,6 +71,7 @@ namespace relume {
 class LightmapPass;
 class MaterialPass;
 class ScreenPass;
+struct RoomTables;
 
 /// What the last bounce of a system changed, as maxima over its clusters, per channel.
 struct Residual {
@@ -186,6 +187,15 @@ class GpuSolver {
   void unload(std::uint32_t system);
 
   bool loaded(std::uint32_t system) const;
+
+  /// The level above the bounces, for PassWishes::correct (core/methods/room_correction.h): one range per
+  /// entry of room_buffers(tables), the upload of room_data. For all systems that are loaded; unload lets go
+  /// of it. Albedo is read when a frame runs, so that a change of it needs nothing. Fails with usage when
+  /// `tables` are of other systems.
+  Result<void> bind_rooms(const RoomTables& tables, std::span<const BufferRange> ranges);
+
+  /// Once rooms are bound to these tables. Refers to nothing.
+  UploadData room_data(const RoomTables& tables) const;
 
   /// What plans need to know of each system.
   std::span<const SystemTraits> traits() const;

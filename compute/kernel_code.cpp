@@ -5,6 +5,7 @@
 #include "spirv/bounce_row_per_thread.h"
 #include "spirv/bounce_tile_shared.h"
 #include "spirv/bounce_tile_shuffle.h"
+#include "spirv/correct_rooms.h"
 #include "spirv/direct_clusters.h"
 #include "spirv/direct_gather.h"
 #include "spirv/direct_sum.h"
@@ -21,10 +22,13 @@
 #include "spirv/lightmap_rgba16f.h"
 #include "spirv/materials.h"
 #include "spirv/nodes.h"
+#include "spirv/nodes_shuffle.h"
 #include "spirv/probes.h"
 #include "spirv/residual.h"
+#include "spirv/restrict_rooms.h"
 #include "spirv/screen.h"
 #include "spirv/shadow_rays.h"
+#include "spirv/solve_rooms.h"
 #include "spirv/start.h"
 
 namespace relume {
@@ -55,12 +59,20 @@ std::span<const std::uint32_t> kernel_code(KernelId kernel) {
       return directions_spirv;
     case KernelId::nodes:
       return nodes_spirv;
+    case KernelId::nodes_shuffle:
+      return nodes_shuffle_spirv;
     case KernelId::probes:
       return probes_spirv;
     case KernelId::residual:
       return residual_spirv;
     case KernelId::lightmap_direction:
       return lightmap_direction_spirv;
+    case KernelId::restrict_rooms:
+      return restrict_rooms_spirv;
+    case KernelId::solve_rooms:
+      return solve_rooms_spirv;
+    case KernelId::correct_rooms:
+      return correct_rooms_spirv;
     case KernelId::lightmap_rgba16f:
       return lightmap_rgba16f_spirv;
     case KernelId::lightmap_r11g11b10f:
@@ -111,12 +123,20 @@ const char* kernel_file_name(KernelId kernel) {
       return "directions";
     case KernelId::nodes:
       return "nodes";
+    case KernelId::nodes_shuffle:
+      return "nodes_shuffle";
     case KernelId::probes:
       return "probes";
     case KernelId::residual:
       return "residual";
     case KernelId::lightmap_direction:
       return "lightmap_direction";
+    case KernelId::restrict_rooms:
+      return "restrict_rooms";
+    case KernelId::solve_rooms:
+      return "solve_rooms";
+    case KernelId::correct_rooms:
+      return "correct_rooms";
     case KernelId::lightmap_rgba16f:
       return "lightmap_rgba16f";
     case KernelId::lightmap_r11g11b10f:

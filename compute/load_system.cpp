@@ -14,15 +14,17 @@ std::string name_of(std::uint32_t system) {
 }
 
 Result<MatrixFetch> choose_fetch(const SolverState& state, const SystemLayout& layout) {
-  const VkDeviceSize needed = largest_texel_buffer(layout);
+  const VkDeviceSize needed = largest_texel_buffer(state.layout, layout);
   const bool fits = needed <= state.max_texels;
   if (state.options.fetch == MatrixFetch::texels && !fits) {
-    return fail(ErrorCode::no_device, "a block of the matrices needs texel buffers of " +
+    return fail(ErrorCode::no_device, "the matrices or senders need texel buffers of " +
                                           std::to_string(needed) + " elements, but the device has at most " +
                                           std::to_string(state.max_texels));
   }
   return state.options.fetch.value_or(fits ? MatrixFetch::texels : MatrixFetch::storage);
 }
+
+}  // namespace
 
 Result<void> add_pipelines(Pipelines& pipelines, const SystemDispatches& dispatches, RowKernel row_kernel) {
   for (std::size_t kernel = 0; kernel < kStepKernels; ++kernel) {
@@ -33,8 +35,6 @@ Result<void> add_pipelines(Pipelines& pipelines, const SystemDispatches& dispatc
   }
   return {};
 }
-
-}  // namespace
 
 Result<std::vector<BufferRange>> allocate_ranges(std::span<const BufferRequirement> needed,
                                                  const BufferAllocator& allocate) {
@@ -79,9 +79,9 @@ Result<void> load_system(SolverState& state, const Model& model, std::uint32_t i
   if (!fetch) return tl::unexpected<Error>(fetch.error());
 
   auto loaded = std::make_unique<LoadedSystem>();
-  loaded->dispatches = plan_dispatches(model.systems[index], *layout, state.options.kernel, *fetch,
+  loaded->dispatches = plan_dispatches(model.systems[index], *layout, state.row_kernel, *fetch,
                                        std::max<std::uint64_t>(state.options.max_dispatch_form_factors, 1));
-  if (auto added = add_pipelines(state.pipelines, loaded->dispatches, state.options.kernel); !added) {
+  if (auto added = add_pipelines(state.pipelines, loaded->dispatches, state.row_kernel); !added) {
     latch_failure(state, added.error());
     return added;
   }
@@ -110,6 +110,7 @@ Result<void> load_system(SolverState& state, const Model& model, std::uint32_t i
 
 void unload_system(SolverState& state, std::uint32_t index) {
   if (index >= state.systems.size() || !state.systems[index]) return;
+  unload_rooms(state);
   const LoadedSystem& system = *state.systems[index];
   if (system.layout.senders() > 0) state.senders.give_back(system.first_sender - state.layout.sky_senders());
   state.systems[index].reset();

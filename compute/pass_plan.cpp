@@ -13,6 +13,10 @@ std::uint32_t rows_per_workgroup(RowKernel kernel) {
   return kernel == RowKernel::row_per_8_lanes ? kernels::kRowsPerWorkgroup : kernels::kWorkgroupSize;
 }
 
+std::uint32_t sweeps_of(RowKernel kernel) {
+  return kernel == RowKernel::tile_shared || kernel == RowKernel::tile_shuffle ? kernels::kSweeps : 1;
+}
+
 /// The tile after the last of a dispatch that starts at tile `first`.
 std::uint32_t slice_end(const MatrixBlock& block, std::uint32_t first, std::uint64_t max_form_factors,
                         std::uint32_t max_tiles) {
@@ -27,8 +31,10 @@ std::uint32_t slice_end(const MatrixBlock& block, std::uint32_t first, std::uint
 /// Cuts one block between tiles; `step` carries what all its dispatches share.
 void append_block(std::vector<DispatchStep>& steps, const MatrixBlock& block, DispatchStep step,
                   RowKernel row_kernel, std::uint64_t max_form_factors) {
-  const std::uint32_t rows = rows_per_workgroup(row_kernel_for(row_kernel, block.tile_rows));
-  const std::uint32_t max_tiles = kernels::kMaxWorkgroups * rows / block.tile_rows;
+  const RowKernel kernel = row_kernel_for(row_kernel, block.tile_rows);
+  step.sweeps = sweeps_of(kernel);
+  const std::uint32_t rows = rows_per_workgroup(kernel) * step.sweeps;
+  const std::uint32_t max_tiles = kernels::kMaxWorkgroups * (rows / block.tile_rows);
   for (std::uint32_t tile = 0; tile + 1 < block.tile_offsets.size();) {
     const std::uint32_t end = slice_end(block, tile, max_form_factors, max_tiles);
     step.range.first_row = tile * block.tile_rows;
@@ -90,9 +96,10 @@ std::vector<DispatchStep> plan_probes(const System& system, const std::vector<Pr
 }
 
 /// One dispatch over elements, each read once; its kernel strides when they are more than the workgroups.
-std::vector<DispatchStep> plan_elements(std::uint32_t count, std::uint64_t cost) {
+std::vector<DispatchStep> plan_elements(std::uint32_t count, std::uint64_t cost, MatrixFetch fetch) {
   if (count == 0) return {};
   DispatchStep step;
+  step.format.fetch = fetch;
   step.range.count = count;
   step.workgroups = workgroup_count(count);
   step.cost = cost;
@@ -111,14 +118,18 @@ std::uint32_t workgroup_count(std::uint64_t threads) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(groups, kernels::kMaxWorkgroups));
 }
 
-std::vector<DispatchStep> plan_nodes(const ClusterTreeNodes& tree, std::uint32_t leaves) {
-  constexpr std::uint32_t kMost = kernels::kMaxWorkgroups * kernels::kRowsPerWorkgroup;
+std::vector<DispatchStep> plan_nodes(const ClusterTreeNodes& tree, std::uint32_t leaves, RowKernel row_kernel,
+                                     MatrixFetch fetch) {
+  const bool shuffles = row_kernel == RowKernel::tile_shuffle;
+  const std::uint32_t nodes_of_group = shuffles ? kernels::kWorkgroupSize : kernels::kRowsPerWorkgroup;
+  const std::uint32_t most = kernels::kMaxWorkgroups * nodes_of_group;
   const auto nodes = static_cast<std::uint32_t>(tree.nodes.size());
   std::vector<DispatchStep> steps;
-  for (std::uint32_t first = 0; first < nodes; first += kMost) {
+  for (std::uint32_t first = 0; first < nodes; first += most) {
     DispatchStep step;
-    step.range = {first, std::min(kMost, nodes - first), leaves, 0};
-    step.workgroups = (step.range.count + kernels::kRowsPerWorkgroup - 1) / kernels::kRowsPerWorkgroup;
+    step.format.fetch = fetch;
+    step.range = {first, std::min(most, nodes - first), leaves, 0};
+    step.workgroups = (step.range.count + nodes_of_group - 1) / nodes_of_group;
     for (std::uint32_t i = first; i < first + step.range.count; ++i) step.cost += tree.nodes[i].count;
     steps.push_back(step);
   }
@@ -131,11 +142,12 @@ SystemDispatches plan_dispatches(const System& system, const SystemLayout& layou
   const auto set = [&all](StepKernel kernel, std::vector<DispatchStep> steps) {
     all[static_cast<std::size_t>(kernel)] = std::move(steps);
   };
-  set(StepKernel::start, plan_elements(layout.clusters, layout.clusters));
-  set(StepKernel::import_radiosity, plan_elements(layout.imports, layout.imports + layout.import_parts));
+  set(StepKernel::start, plan_elements(layout.clusters, layout.clusters, fetch));
+  set(StepKernel::import_radiosity,
+      plan_elements(layout.imports, layout.imports + layout.import_parts, fetch));
   set(StepKernel::bounce, plan_rows(system.bounce, row_kernel, fetch, max_form_factors));
-  set(StepKernel::nodes, plan_nodes(system.tree, layout.clusters));
-  set(StepKernel::residual, plan_elements(layout.clusters, layout.clusters));
+  set(StepKernel::nodes, plan_nodes(system.tree, layout.clusters, row_kernel, fetch));
+  set(StepKernel::residual, plan_elements(layout.clusters, layout.clusters, fetch));
   set(StepKernel::gather, plan_rows(system.gather, row_kernel, fetch, max_form_factors));
   set(StepKernel::directions, plan_directions(system.gather, fetch, max_form_factors));
   set(StepKernel::probes, plan_probes(system, layout.probes, max_form_factors));

@@ -24,9 +24,12 @@ enum class StepKernel : std::uint32_t {
   residual,
   gather,
   directions,
-  probes
+  probes,
+  restrict_rooms,
+  solve_rooms,
+  correct_rooms
 };
-inline constexpr std::size_t kStepKernels = 8;
+inline constexpr std::size_t kStepKernels = 11;
 
 /// What a row kernel is compiled for.
 struct BlockFormat {
@@ -42,6 +45,7 @@ struct DispatchStep {
   std::uint32_t block = 0;  ///< of the bounce or gather matrix, or of the probes
   kernels::Range range{};
   std::uint32_t workgroups = 0;
+  std::uint32_t sweeps = 1;  ///< workgroups along y: see kernels::kSweeps
   /// Form factors, zeros of tiles included; of directions, three times as many; of probes, kProbeEntryCost
   /// for each entry of their lists; of other kernels, the vec4 that they read.
   std::uint64_t cost = 0;
@@ -72,7 +76,8 @@ SystemDispatches plan_dispatches(const System& system, const SystemLayout& layou
                                  MatrixFetch fetch, std::uint64_t max_form_factors);
 
 /// The dispatches that bring the nodes of a tree over `leaves` leaves up to date.
-std::vector<DispatchStep> plan_nodes(const ClusterTreeNodes& tree, std::uint32_t leaves);
+std::vector<DispatchStep> plan_nodes(const ClusterTreeNodes& tree, std::uint32_t leaves, RowKernel row_kernel,
+                                     MatrixFetch fetch);
 
 /// Sum of costs.
 std::uint64_t dispatch_cost(const std::vector<DispatchStep>& dispatches);

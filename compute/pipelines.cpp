@@ -15,7 +15,7 @@ static_assert(static_cast<kernels::uint>(MatrixFetch::texels) == kernels::kFetch
 
 constexpr std::array<SetShape, kernels::kSets> kSetShapes = [] {
   std::array<SetShape, kernels::kSets> shapes{};
-  shapes[kernels::kSolveSet] = {kernels::kSolveBindings, 0, 0};
+  shapes[kernels::kSolveSet] = {kernels::kSolveBindings, kernels::kSolveTexelBindings, 0};
   shapes[kernels::kSystemSet] = {kernels::kSystemBindings, kernels::kSystemTexelBindings, 0};
   shapes[kernels::kBlockSet] = {kernels::kBlockBindings, kernels::kBlockTexelBindings, 0};
   return shapes;
@@ -65,13 +65,19 @@ KernelId step_kernel_id(StepKernel step, RowKernel row_kernel, std::uint32_t til
     case StepKernel::start:
       return KernelId::start;
     case StepKernel::nodes:
-      return KernelId::nodes;
+      return row_kernel == RowKernel::tile_shuffle ? KernelId::nodes_shuffle : KernelId::nodes;
     case StepKernel::residual:
       return KernelId::residual;
     case StepKernel::directions:
       return KernelId::directions;
     case StepKernel::probes:
       return KernelId::probes;
+    case StepKernel::restrict_rooms:
+      return KernelId::restrict_rooms;
+    case StepKernel::solve_rooms:
+      return KernelId::solve_rooms;
+    case StepKernel::correct_rooms:
+      return KernelId::correct_rooms;
     case StepKernel::import_radiosity:
       break;
   }

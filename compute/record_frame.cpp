@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
+#include <limits>
 #include <string>
 
 #include "compute/lightmap_pass.h"
@@ -33,7 +35,10 @@ bool inside(const BufferRange& part, VkDeviceSize offset, const BufferRange& who
 /// Everything that a frame shares, and the recording of its parts.
 class FrameRecorder {
  public:
-  FrameRecorder(const SolverState& state, VkCommandBuffer commands) : state_(state), commands_(commands) {}
+  FrameRecorder(const SolverState& state, VkCommandBuffer commands, const FramePlan& plan)
+      : state_(state), commands_(commands) {
+    if (plan.next.largest_radiosity > 0.0) most_ = static_cast<float>(plan.next.largest_radiosity);
+  }
 
   void barrier() { record_barrier(state_.functions, commands_, kComputeAndTransfer, kComputeAndTransfer); }
 
@@ -75,7 +80,8 @@ class FrameRecorder {
     if (step.kernel == StepKernel::gather || step.kernel == StepKernel::directions)
       sets[set_count++] = system.sets.gather[planned.block];
     if (step.kernel == StepKernel::probes) sets[set_count++] = system.sets.probes[planned.block];
-    dispatch(step_kernel_id(step.kernel, state_.options.kernel, planned.format.tile_rows), planned,
+    if (of_rooms(step.kernel)) sets[set_count++] = state_.rooms->rooms;
+    dispatch(step_kernel_id(step.kernel, state_.row_kernel, planned.format.tile_rows), planned,
              range_of(step, system, planned), sets, set_count);
   }
 
@@ -93,15 +99,22 @@ class FrameRecorder {
                                        count * kEntryBytes, entries);
   }
 
-  static kernels::Range range_of(const FrameStep& step, const LoadedSystem& system,
-                                 const DispatchStep& planned) {
+  static bool of_rooms(StepKernel kernel) {
+    return kernel == StepKernel::restrict_rooms || kernel == StepKernel::solve_rooms ||
+           kernel == StepKernel::correct_rooms;
+  }
+
+  kernels::Range range_of(const FrameStep& step, const LoadedSystem& system,
+                          const DispatchStep& planned) const {
     kernels::Range range = planned.range;
     if (step.kernel == StepKernel::directions) return range;
     range.first_sender = system.first_of_half(step.half);
-    if (step.kernel == StepKernel::start || step.kernel == StepKernel::residual) {
+    if (step.kernel == StepKernel::start || step.kernel == StepKernel::residual ||
+        step.kernel == StepKernel::restrict_rooms) {
       range.first_row = system.first_of_half(1 - step.half);
     }
     if (step.kernel == StepKernel::residual) range.block_row = step.system;
+    if (step.kernel == StepKernel::correct_rooms) range.first_row = std::bit_cast<std::uint32_t>(most_);
     return range;
   }
 
@@ -114,11 +127,12 @@ class FrameRecorder {
     functions.cmd_bind_descriptor_sets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, set_count,
                                        sets.data(), 0, nullptr);
     functions.cmd_push_constants(commands_, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof range, &range);
-    functions.cmd_dispatch(commands_, step.workgroups, 1, 1);
+    functions.cmd_dispatch(commands_, step.workgroups, step.sweeps, 1);
   }
 
   const SolverState& state_;
   VkCommandBuffer commands_;
+  float most_ = std::numeric_limits<float>::max();  ///< what no correction exceeds, lm/m2
 };
 
 /// Sets the residuals that the plan measures to zero: they are maxima.
@@ -205,7 +219,7 @@ Result<void> check_frame(const SolverState& state, const FrameInputs& inputs, co
 void record_checked_frame(const SolverState& state, VkCommandBuffer commands, const FrameInputs& inputs,
                           const FrameOutputs& outputs) {
   const ScopedLabel label(state.functions, commands, "relume frame");
-  FrameRecorder record(state, commands);
+  FrameRecorder record(state, commands, *inputs.plan);
   record.barrier();
   record_inputs(state, commands, record, inputs);
   for (const FrameStep& step : inputs.plan->steps) {

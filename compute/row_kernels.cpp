@@ -47,4 +47,9 @@ bool supports_row_kernel(const HostDevice& host, RowKernel kernel) {
          (subgroups.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT) != 0;
 }
 
+RowKernel default_tile_kernel(const HostDevice& host) {
+  return supports_row_kernel(host, RowKernel::tile_shuffle) ? RowKernel::tile_shuffle
+                                                            : RowKernel::tile_shared;
+}
+
 }  // namespace relume

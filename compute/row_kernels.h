@@ -12,4 +12,7 @@ namespace relume {
 /// it needs subgroups of 8 or more that shuffle in compute.
 bool supports_row_kernel(const HostDevice& host, RowKernel kernel);
 
+/// tile_shuffle where the device can, else tile_shared.
+RowKernel default_tile_kernel(const HostDevice& host);
+
 }  // namespace relume

@@ -77,6 +77,10 @@ struct SystemProgress {
 enum class PassStage : std::uint32_t {
   start,
   start_nodes,
+  restrict_rooms,
+  solve_rooms,
+  correct_rooms,
+  corrected_nodes,
   import,
   bounce,
   nodes,
@@ -97,6 +101,7 @@ struct PassProgress {
   std::uint32_t member = 0;    ///< of `systems`
   std::uint32_t dispatch = 0;  ///< of that member in this stage
   std::uint32_t bounces = 0;   ///< still to do
+  bool correct = false;        ///< before each of them
   bool residual = false;
   GatherRule gather = GatherRule::never;  ///< when_stale: it gains more than half of the display step
 };
@@ -160,6 +165,10 @@ FramePlan plan_frame(std::span<const SystemTraits> traits, const Schedule& sched
 struct PassWishes {
   bool restart = false;  ///< first B = M + rho H
   std::uint32_t bounces = 0;
+  /// Before each bounce, what the last one left is corrected room by room (GpuSolver::bind_rooms): from the
+  /// difference of the two halves, so that all systems must have been bounced together, or restarted. What E
+  /// was is lost. Left out while a system that is loaded is inactive.
+  bool correct = false;
   bool residual = false;  ///< what the last bounce changed
   bool gather = false;
   std::uint64_t max_form_factors = ~std::uint64_t{0};

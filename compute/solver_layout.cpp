@@ -193,12 +193,14 @@ Result<SystemLayout> system_layout(const Model& model, std::uint32_t index, cons
   return layout;
 }
 
-VkDeviceSize largest_texel_buffer(const SystemLayout& layout) {
-  VkDeviceSize bytes = 0;
+VkDeviceSize largest_texel_buffer(const SolverLayout& solver, const SystemLayout& layout) {
+  const VkDeviceSize senders = solver.sky_senders() + 2 * VkDeviceSize{solver.sender_capacity};
+  const VkDeviceSize imports = VkDeviceSize{layout.imports} + layout.import_parts;
+  const VkDeviceSize shares = layout.node_leaves;
+  VkDeviceSize bytes = std::max({senders, imports, shares}) * sizeof(std::uint32_t);
   for (const auto* blocks : {&layout.bounce, &layout.gather}) {
     for (const BlockLayout& block : *blocks) {
-      bytes = std::max({bytes, block.sections[kernels::kColumnsBinding].byte_size,
-                        block.sections[kernels::kValuesBinding].byte_size});
+      for (const Section& section : block.sections) bytes = std::max(bytes, section.byte_size);
     }
   }
   return bytes / sizeof(std::uint32_t);

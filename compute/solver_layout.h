@@ -130,7 +130,7 @@ Result<SolverLayout> solver_layout(const Model& model, std::uint32_t sender_capa
 /// The same for one system, which is loaded in `model`.
 Result<SystemLayout> system_layout(const Model& model, std::uint32_t system, const LayoutLimits& limits);
 
-/// Elements of the largest texel buffer of a system.
-VkDeviceSize largest_texel_buffer(const SystemLayout& layout);
+/// Elements of the largest texel buffer that kernels of a system read.
+VkDeviceSize largest_texel_buffer(const SolverLayout& solver, const SystemLayout& layout);
 
 }  // namespace relume

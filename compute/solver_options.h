@@ -27,11 +27,19 @@ std::optional<RowKernel> row_kernel_from_name(std::string_view name);
 /// Where row products read matrices and radiosity from. All give the same bits.
 enum class MatrixFetch : std::uint32_t {
   storage,  ///< storage buffers: every device can
-  texels,   ///< uniform texel buffers of the same bytes: 2.5 times as fast on lavapipe 22.3
+  texels,   ///< uniform texel buffers of the same bytes: 2 to 3 times as fast on lavapipe 22.3
+};
+
+/// What a device may be fastest with: see KernelTrials.
+struct RowKernelChoice {
+  RowKernel kernel = RowKernel::tile_shared;
+  MatrixFetch fetch = MatrixFetch::storage;
+  friend bool operator==(const RowKernelChoice&, const RowKernelChoice&) = default;
 };
 
 struct SolverOptions {
-  RowKernel kernel = RowKernel::row_per_8_lanes;
+  /// Nothing: tile_shuffle where the device can, else tile_shared. KernelTrials finds the fastest.
+  std::optional<RowKernel> kernel{};
   /// No dispatch has more, unless a single row has: about 10 ms on two cores of a processor.
   std::uint64_t max_dispatch_form_factors = 4'000'000;
   /// Nothing: texels, for systems whose blocks fit texel buffers of the device (maxTexelBufferElements).

@@ -13,6 +13,7 @@
 #include "compute/gpu_solver.h"
 #include "compute/pass_plan.h"
 #include "compute/pipelines.h"
+#include "compute/room_tables.h"
 #include "compute/sender_ranges.h"
 #include "compute/solver_layout.h"
 
@@ -32,6 +33,7 @@ struct SolverState {
   HostDevice host;
   DeviceFunctions functions;
   SolverOptions options;
+  RowKernel row_kernel;
   LayoutLimits limits;
   VkDeviceSize max_texels;  ///< of a texel buffer
   SolverLayout layout;
@@ -43,6 +45,7 @@ struct SolverState {
   std::vector<std::unique_ptr<LoadedSystem>> systems;  ///< null: not loaded
   std::vector<SystemTraits> traits;                    ///< per system
   std::optional<Error> failure;                        ///< the device was lost
+  std::optional<RoomSets> rooms;                       ///< the level above the bounces
 };
 
 /// Asks for one range after the other.
@@ -57,6 +60,10 @@ Result<SystemLayout> loadable_layout(const SolverState& state, const Model& mode
 Result<void> load_system(SolverState& state, const Model& model, std::uint32_t system,
                          std::span<const BufferRange> ranges, std::span<const Rgb> albedo);
 void unload_system(SolverState& state, std::uint32_t system);
+/// The pipelines of a system's dispatches.
+Result<void> add_pipelines(Pipelines& pipelines, const SystemDispatches& dispatches, RowKernel row_kernel);
+Result<void> load_rooms(SolverState& state, const RoomTables& tables, std::span<const BufferRange> ranges);
+void unload_rooms(SolverState& state);
 BufferRange input_range(const SolverState& state, std::uint32_t system, Quantity quantity);
 Result<void> check_frame(const SolverState& state, const FrameInputs& inputs, const FrameOutputs& outputs);
 void record_checked_frame(const SolverState& state, VkCommandBuffer commands, const FrameInputs& inputs,

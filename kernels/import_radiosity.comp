@@ -5,6 +5,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 
+#include "include/fetch.glsl"
 #include "include/radiosity.glsl"
 #include "include/range.glsl"
 
@@ -14,19 +15,28 @@ layout(set = kSolveSet, binding = kFirstSenderBinding, std430) readonly restrict
 layout(set = kSystemSet, binding = kImportsBinding, std430) readonly restrict buffer Imports {
   uvec4 imports[];
 };
+layout(set = kSolveSet, binding = kRadiosityTexelsBinding) uniform samplerBuffer radiosity_texels;
+layout(set = kSystemSet, binding = kImportTexelsBinding) uniform usamplerBuffer import_texels;
 layout(set = kSystemSet, binding = kLocalRadiosityBinding, std430) writeonly restrict buffer LocalRadiosity {
   vec4 local_radiosity[];
 };
 
 vec3 radiosity_of(uint system, uint sender) {
   const uint first = first_sender_of[system];
-  return first == kNotLoaded ? vec3(0.0) : radiosity[first + sender].rgb;
+  if (first == kNotLoaded) return vec3(0.0);
+  if (kFetch == kFetchTexels) return texelFetch(radiosity_texels, int(first + sender)).rgb;
+  return radiosity[first + sender].rgb;
+}
+
+uvec4 import_record(uint index) {
+  if (kFetch == kFetchTexels) return texelFetch(import_texels, int(index));
+  return imports[index];
 }
 
 vec3 mean_of_parts(uvec4 node) {
   precise vec3 sum = vec3(0.0);
   for (uint k = 0u; k < node.z; ++k) {
-    const uvec4 part = imports[node.x + k];
+    const uvec4 part = import_record(node.x + k);
     precise vec3 term = uintBitsToFloat(part.z) * radiosity_of(part.x, part.y);
     sum = sum + term;
   }
@@ -36,7 +46,7 @@ vec3 mean_of_parts(uvec4 node) {
 void main() {
   const uint step_size = gl_NumWorkGroups.x * kWorkgroupSize;
   for (uint index = gl_GlobalInvocationID.x; index < range.count; index += step_size) {
-    const uvec4 sender = imports[index];
+    const uvec4 sender = import_record(index);
     const vec3 value = sender.z == 0u ? radiosity_of(sender.x, sender.y) : mean_of_parts(sender);
     local_radiosity[index] = vec4(value, 0.0);
   }

@@ -7,6 +7,7 @@
 #include <glm/common.hpp>
 #include <limits>
 
+#include "compute/row_kernels.h"
 #include "compute/standalone/solver_session.h"
 #include "kernels/shared/limits.h"
 
@@ -109,12 +110,17 @@ class ProgressWatch {
   int looks_without_fall_ = 0;
 };
 
-/// The bounces of one solve.
+/// The bounces of one solve, corrected by the rooms of the session or not.
 class BounceLoop {
  public:
   BounceLoop(SolverSession& session, const ContractionBound& contraction, double rounding,
-             const StopRule& rule, const DeviceSolveOptions& options)
-      : session_(session), contraction_(contraction), rounding_(rounding), rule_(rule), options_(options) {}
+             const StopRule& rule, const DeviceSolveOptions& options, bool correct)
+      : session_(session),
+        contraction_(contraction),
+        rounding_(rounding),
+        rule_(rule),
+        options_(options),
+        correct_(correct) {}
 
   Result<void> run(DeviceSolution& out) {
     if (auto started = session_.run({.restart = true}); !started) return failed(started.error());
@@ -122,7 +128,7 @@ class BounceLoop {
     ProgressWatch watch;
     while (out.solution.bounces < rule_.max_bounces) {
       const std::uint32_t count = std::min(bounces_per_look(), rule_.max_bounces - out.solution.bounces);
-      auto times = session_.run({.bounces = count, .residual = true});
+      auto times = session_.run({.bounces = count, .correct = correct_, .residual = true});
       if (!times) return failed(times.error());
       out.seconds.gpu_bounces += times->gpu_seconds;
       out.solution.bounces += count;
@@ -135,8 +141,16 @@ class BounceLoop {
       }
       if (rule_.tolerance <= 0.0) continue;
       if (out.solution.error_bound <= rule_.tolerance) break;
-      out.limited_by_rounding = watch.stalled(out.solution.error_bound);
-      if (out.limited_by_rounding) break;
+      if (!watch.stalled(out.solution.error_bound)) continue;
+      if (!correct_) {
+        out.limited_by_rounding = true;
+        break;
+      }
+      out.solution.fallback = "the correction of " + std::to_string(out.corrected_rooms) +
+                              " rooms did not lower the residual any more; plain bounces went on after " +
+                              std::to_string(out.solution.bounces) + " products";
+      correct_ = false;
+      watch = {};
     }
     return read(session_.read_radiosity(), out);
   }
@@ -160,6 +174,7 @@ class BounceLoop {
 
   /// A look costs a wait, so small bounces share one.
   std::uint32_t bounces_per_look() const {
+    if (correct_ && rule_.tolerance > 0.0) return 1;
     const std::uint64_t most = rule_.tolerance > 0.0 ? 8 : 64;
     const std::uint64_t cost = std::max<std::uint64_t>(session_.bounce_cost(), 1);
     return static_cast<std::uint32_t>(
@@ -196,6 +211,7 @@ class BounceLoop {
   double rounding_;
   const StopRule& rule_;
   const DeviceSolveOptions& options_;
+  bool correct_;
 };
 
 bool has_tiles(const Model& model) {
@@ -239,10 +255,26 @@ Result<ContractionBound> bound_on_device(SolverSession& session, const Lighting&
   return bound;
 }
 
+double predicted_bounces(const ContractionBound& contraction, const StopRule& rule) {
+  const double q = largest(contraction.quotient);
+  if (rule.tolerance <= 0.0) return 0.0;
+  return q <= 0.0 ? 1.0 : std::ceil(std::log(std::min(rule.tolerance, 0.5)) / std::log(q));
+}
+
+/// Gives the session the rooms that the finder wants to be corrected.
+Result<void> find_rooms(SolverSession& session, const Model& model, const DeviceSolveOptions& options,
+                        DeviceSolution& out) {
+  const auto weights =
+      options.find_rooms ? options.find_rooms(out.predicted_bounces) : std::optional<RoomWeights>{};
+  if (!weights || weights->rooms.count == 0) return {};
+  out.corrected_rooms = weights->rooms.count;
+  return session.correct_by(model, *weights);
+}
+
 }  // namespace
 
 RowKernel default_row_kernel(const StandaloneDevice& device, const Model& model) {
-  if (has_tiles(model)) return RowKernel::tile_shared;
+  if (has_tiles(model)) return default_tile_kernel(device.host());
   const bool processor = device.type() == VK_PHYSICAL_DEVICE_TYPE_CPU;
   return processor ? RowKernel::row_per_thread : RowKernel::row_per_8_lanes;
 }
@@ -268,8 +300,12 @@ Result<DeviceSolution> solve_on_device(StandaloneDevice& device, const Model& mo
   if (!contraction) return failed(contraction.error());
   out.seconds.contraction = watch.lap();
 
+  out.predicted_bounces = predicted_bounces(*contraction, rule);
+  if (auto found = find_rooms(*session, model, options, out); !found) return failed(found.error());
+  out.seconds.rooms = watch.lap();
+
   if (auto lit = session->light(lighting, contraction->weights); !lit) return failed(lit.error());
-  BounceLoop loop(*session, *contraction, rounding, rule, options);
+  BounceLoop loop(*session, *contraction, rounding, rule, options, out.corrected_rooms > 0);
   if (auto bounced = loop.run(out); !bounced) return failed(bounced.error());
   out.seconds.bounces = watch.lap();
   if (auto gathered = gather(*session, out); !gathered) return failed(gathered.error());

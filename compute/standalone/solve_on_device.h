@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "compute/gpu_solver.h"
 #include "compute/standalone/standalone_device.h"
 #include "core/directional_irradiance.h"
+#include "core/methods/room_correction.h"
 #include "core/model.h"
 #include "core/probe_coefficients.h"
 #include "core/reference_solver.h"
@@ -17,9 +19,13 @@
 
 namespace relume {
 
-/// tile_shared for rows in tiles, which needs no subgroups; else row_per_thread on a processor,
-/// row_per_8_lanes elsewhere.
+/// For rows in tiles that of SolverOptions; else row_per_thread on a processor, row_per_8_lanes elsewhere.
+/// Not measured: see tuned_row_kernel.
 RowKernel default_row_kernel(const StandaloneDevice& device, const Model& model);
+
+/// The rooms for two levels (at most kMaxDeviceRooms), or nothing for plain bounces, of which so many could
+/// be needed. Asked once the contraction is known.
+using RoomFinder = std::function<std::optional<RoomWeights>(double bounces)>;
 
 struct DeviceSolveOptions {
   /// Nothing: default_row_kernel. The result is the same to the bit.
@@ -30,11 +36,13 @@ struct DeviceSolveOptions {
   std::uint64_t max_submit_form_factors = 32'000'000;
   double timeout_seconds = 60.0;  ///< of one submission
   BounceObserver observer{};      ///< called after each residual, every few bounces
+  RoomFinder find_rooms{};        ///< none: plain bounces
 };
 
 struct DeviceSeconds {
   double create = 0.0;       ///< pipelines, buffers
   double upload = 0.0;       ///< matrices
+  double rooms = 0.0;        ///< finding and loading them
   double contraction = 0.0;  ///< the contraction bound; the first dispatch compiles on some drivers
   double bounces = 0.0;      ///< with residuals and the upload of the lighting
   double gather = 0.0;
@@ -50,6 +58,11 @@ struct DeviceSolution {
   /// (1 - q), n: the longest row; with nodes of at most m leaves ceil(m / 8) + 7 more, with nodes of p parts
   /// above the systems p + 4 more.
   double rounding_bound = 0.0;
+  /// Rooms whose irradiance was corrected between bounces (PassWishes::correct); 0: plain bounces. Where
+  /// corrections did not help, Solution::fallback says that plain bounces went on.
+  std::uint32_t corrected_rooms = 0;
+  double predicted_bounces =
+      0.0;  ///< plain ones to the tolerance: ln tolerance / ln q; 0 without a tolerance
   /// The tolerance was not reached because rounding keeps the residual from falling further.
   bool limited_by_rounding = false;
   std::vector<Rgb> irradiance;             ///< lm/m2 per gather row of all systems

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <span>
 
+#include "compute/room_tables.h"
 #include "compute/vulkan_info.h"
 
 namespace relume {
@@ -139,6 +140,21 @@ Result<std::vector<Rgb>> SolverSession::multiply(const std::vector<Rgb>& v) {
   if (auto uploaded = upload(data); !uploaded) return tl::unexpected<Error>(uploaded.error());
   if (auto bounced = run({.bounces = 1}); !bounced) return tl::unexpected<Error>(bounced.error());
   return read_radiosity();
+}
+
+Result<void> SolverSession::correct_by(const Model& model, const RoomWeights& weights) {
+  const auto tables = room_tables(model, weights);
+  if (!tables) return tl::unexpected<Error>(tables.error());
+  std::vector<BufferRange> ranges;
+  for (const BufferRequirement& buffer : room_buffers(*tables)) {
+    auto range = arena_.allocate(buffer);
+    if (!range) return tl::unexpected<Error>(range.error());
+    ranges.push_back(*range);
+  }
+  if (auto bound = solver_.bind_rooms(*tables, ranges); !bound) return bound;
+  if (auto uploaded = upload(solver_.room_data(*tables)); !uploaded)
+    return tl::unexpected<Error>(uploaded.error());
+  return {};
 }
 
 Result<SubmitTimes> SolverSession::run(PassWishes wishes) {

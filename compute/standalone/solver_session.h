@@ -11,6 +11,7 @@
 #include "compute/standalone/standalone_device.h"
 #include "compute/standalone/standalone_memory.h"
 #include "core/directional_irradiance.h"
+#include "core/methods/room_correction.h"
 #include "core/model.h"
 #include "core/probe_coefficients.h"
 #include "core/result.h"
@@ -43,6 +44,9 @@ class SolverSession {
   /// rho K v on the device, by a bounce of a scene without light of its own: `lighting` is that of the last
   /// light(), with exitance, direct irradiance and sky black. What was the latest radiosity is lost.
   Result<std::vector<Rgb>> multiply(const std::vector<Rgb>& v);
+
+  /// For PassWishes::correct, from now on. `weights`: of at most kMaxDeviceRooms rooms.
+  Result<void> correct_by(const Model& model, const RoomWeights& weights);
 
   /// The systems together, in as many submissions as the limits ask for (its own limit is not looked at).
   Result<SubmitTimes> run(PassWishes wishes);

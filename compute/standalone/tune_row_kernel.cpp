@@ -3,104 +3,118 @@
 
 #include <algorithm>
 #include <optional>
+#include <string>
 #include <utility>
 
-#include "compute/row_kernels.h"
-#include "compute/standalone/solver_session.h"
+#include "compute/kernel_trials.h"
+#include "compute/standalone/kernel_cache.h"
+#include "compute/standalone/solve_on_device.h"
+#include "compute/standalone/standalone_memory.h"
+#include "kernels/shared/limits.h"
 
 namespace relume {
 namespace {
 
-constexpr std::uint32_t kSenders = 2048, kTiles = 1024, kTileRows = 8, kEntries = 128;
-constexpr int kTimes = 5;
+constexpr int kRounds = 5;
+constexpr VkDeviceSize kStagingBytes = VkDeviceSize{16} << 20;
 
-/// A fixed sequence of numbers below 256 that look random.
-std::uint32_t noise(std::uint32_t index) {
-  return ((index * 2654435761u) ^ (index >> 7) * 40503u) >> 16 & 0xffu;
-}
-
-BlockMatrix tuning_matrix(ValueCodec codec) {
-  BlockMatrixBuilder builder(kSenders, codec);
-  std::vector<std::uint16_t> columns(kEntries);
-  std::vector<double> values(std::size_t{kTileRows} * kEntries);
-  constexpr std::uint32_t kStride = kSenders / kEntries;
-  for (std::uint32_t tile = 0; tile < kTiles; ++tile) {
-    for (std::uint32_t c = 0; c < kEntries; ++c)
-      columns[c] = static_cast<std::uint16_t>(c * kStride + noise(tile + c) % kStride);
-    for (std::size_t v = 0; v < values.size(); ++v)
-      values[v] = (1.0 + noise(tile + static_cast<std::uint32_t>(v))) / (256.0 * kEntries);
-    builder.append_tile(columns, values, kTileRows);
+Result<void> provide_memory(StandaloneDevice& device, KernelTrials& trials, DeviceArena& arena) {
+  std::vector<BufferRange> ranges;
+  for (const BufferRequirement& buffer : trials.buffers()) {
+    auto range = arena.allocate(buffer);
+    if (!range) return tl::unexpected<Error>(range.error());
+    ranges.push_back(*range);
   }
-  return std::move(builder).finish();
-}
-
-/// One system whose gather matrix is the one above; its bounces have nothing to do.
-Model tuning_model(ValueCodec codec) {
-  Model model;
-  System& system = model.systems.emplace_back();
-  system.clusters.resize(kSenders);
-  BlockMatrixBuilder empty(kSenders, codec);
-  for (std::uint32_t i = 0; i < kSenders; ++i) {
-    system.imports.push_back({0, i});
-    empty.append_row({}, {});
+  if (auto bound = trials.bind(ranges); !bound) return bound;
+  const auto staging =
+      make_device_buffer(device, kStagingBytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::upload);
+  if (!staging) return tl::unexpected<Error>(staging.error());
+  const UploadData data = trials.data();
+  UploadCursor cursor;
+  for (bool done = false; !done;) {
+    const auto submitted = device.submit([&](VkCommandBuffer commands) {
+      done = trials.record_upload(commands, data, {staging->range(), staging->mapped}, cursor);
+    });
+    if (!submitted) return tl::unexpected<Error>(submitted.error());
   }
-  system.bounce = std::move(empty).finish();
-  system.gather = tuning_matrix(codec);
-  return model;
+  return {};
 }
 
-Lighting tuning_lighting() {
-  Lighting lighting{std::vector<Rgb>(kSenders, Rgb(0.5)), {}, std::vector<Rgb>(kSenders, Rgb(0.0)), {}};
-  for (std::uint32_t i = 0; i < kSenders; ++i)
-    lighting.exitance.emplace_back(noise(3 * i), noise(3 * i + 1), noise(3 * i + 2));
-  return lighting;
+Result<double> seconds_of_trial(StandaloneDevice& device, const KernelTrials& trials, std::size_t trial) {
+  const auto times = device.submit([&](VkCommandBuffer commands) { trials.record(commands, trial); });
+  if (!times) return tl::unexpected<Error>(times.error());
+  return times->gpu_seconds > 0.0 ? times->gpu_seconds : times->seconds;
 }
 
-Result<double> least_seconds(SolverSession& session) {
-  double least = 0.0;
-  for (int i = 0; i < kTimes; ++i) {
-    const auto times = session.run({.gather = true});
-    if (!times) return tl::unexpected<Error>(times.error());
-    const double seconds = times->gpu_seconds > 0.0 ? times->gpu_seconds : times->seconds;
-    least = i == 0 ? seconds : std::min(least, seconds);
+/// The trials that give the bits of the first, by number. This first time compiles on some drivers.
+Result<std::vector<std::size_t>> equal_trials(StandaloneDevice& device, const KernelTrials& trials) {
+  const BufferRange irradiance = trials.irradiance();
+  std::vector<float> expected;
+  std::vector<std::size_t> equal;
+  for (std::size_t trial = 0; trial < trials.choices().size(); ++trial) {
+    if (auto ran = seconds_of_trial(device, trials, trial); !ran) return tl::unexpected<Error>(ran.error());
+    auto found = read_floats(device, irradiance, irradiance.byte_size / sizeof(float));
+    if (!found) return tl::unexpected<Error>(found.error());
+    if (trial == 0) expected = *found;
+    if (*found == expected) equal.push_back(trial);
   }
-  return least;
+  return equal;
 }
 
-/// The irradiance, and the time that it took to find it again.
-Result<std::pair<std::vector<Rgb>, double>> try_kernel(StandaloneDevice& device, const Model& model,
-                                                       RowKernel kernel, MatrixFetch fetch) {
-  auto session = SolverSession::create(device, model, {.kernel = kernel, .fetch = fetch}, {});
-  if (!session) return tl::unexpected<Error>(session.error());
-  if (auto lit = session->light(tuning_lighting(), {}); !lit) return tl::unexpected<Error>(lit.error());
-  // The first run compiles on some drivers.
-  if (auto ran = session->run({.restart = true, .gather = true}); !ran)
-    return tl::unexpected<Error>(ran.error());
-  auto irradiance = session->read_irradiance();
-  if (!irradiance) return tl::unexpected<Error>(irradiance.error());
-  const auto seconds = least_seconds(*session);
-  if (!seconds) return tl::unexpected<Error>(seconds.error());
-  return std::pair{std::move(*irradiance), *seconds};
+const MatrixBlock* first_tiles(const Model& model) {
+  for (const System& system : model.systems) {
+    for (const BlockMatrix* matrix : {&system.gather, &system.bounce}) {
+      if (!matrix->blocks.empty() && matrix->blocks[0].tile_rows == kernels::kTileOfRows)
+        return &matrix->blocks[0];
+    }
+  }
+  return nullptr;
+}
+
+std::string cache_key(const StandaloneDevice& device, ValueCodec codec) {
+  std::string key =
+      device.name() + ", " + device.driver() + ", codec " + std::to_string(static_cast<int>(codec));
+  std::replace(key.begin(), key.end(), '\t', ' ');
+  std::replace(key.begin(), key.end(), '\n', ' ');
+  return key;
 }
 
 }  // namespace
 
 Result<std::vector<RowKernelTime>> time_row_kernels(StandaloneDevice& device, ValueCodec codec) {
-  const Model model = tuning_model(codec);
-  std::optional<std::vector<Rgb>> expected;
+  auto trials = KernelTrials::create(device.host(), codec);
+  if (!trials) return tl::unexpected<Error>(trials.error());
+  DeviceArena arena(device);
+  if (auto provided = provide_memory(device, *trials, arena); !provided)
+    return tl::unexpected<Error>(provided.error());
+  const auto equal = equal_trials(device, *trials);
+  if (!equal) return tl::unexpected<Error>(equal.error());
   std::vector<RowKernelTime> times;
-  for (const RowKernel kernel : kRowKernels) {
-    if (!supports_row_kernel(device.host(), kernel)) continue;
-    for (const MatrixFetch fetch : {MatrixFetch::storage, MatrixFetch::texels}) {
-      auto tried = try_kernel(device, model, kernel, fetch);
-      if (!tried) return tl::unexpected<Error>(tried.error());
-      if (!expected) expected = tried->first;
-      if (tried->first == *expected) times.push_back({kernel, fetch, tried->second});
+  for (const std::size_t trial : *equal) times.push_back({trials->choices()[trial], 0.0});
+  for (int round = 0; round < kRounds; ++round) {
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      const auto seconds = seconds_of_trial(device, *trials, (*equal)[i]);
+      if (!seconds) return tl::unexpected<Error>(seconds.error());
+      times[i].seconds = round == 0 ? *seconds : std::min(times[i].seconds, *seconds);
     }
   }
   std::sort(times.begin(), times.end(),
             [](const RowKernelTime& a, const RowKernelTime& b) { return a.seconds < b.seconds; });
   return times;
+}
+
+Result<RowKernelChoice> tuned_row_kernel(StandaloneDevice& device, const Model& model,
+                                         const std::filesystem::path& cache) {
+  const MatrixBlock* tiles = first_tiles(model);
+  if (tiles == nullptr) return RowKernelChoice{default_row_kernel(device, model), MatrixFetch::texels};
+  const std::string key = cache_key(device, tiles->codec);
+  if (!cache.empty()) {
+    if (const auto known = read_kernel_cache(cache, key)) return *known;
+  }
+  const auto times = time_row_kernels(device, tiles->codec);
+  if (!times) return tl::unexpected<Error>(times.error());
+  if (!cache.empty()) write_kernel_cache(cache, key, times->front().choice);
+  return times->front().choice;
 }
 
 }  // namespace relume

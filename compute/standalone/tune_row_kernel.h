@@ -1,29 +1,32 @@
 // SPDX-License-Identifier: MIT
 //
-// Which row kernel is the fastest on a device: measured, because no driver's name says it.
+// The fastest row kernel of a StandaloneDevice, by KernelTrials.
 #pragma once
 
+#include <filesystem>
 #include <vector>
 
 #include "compute/solver_options.h"
 #include "compute/standalone/standalone_device.h"
 #include "core/block_matrix.h"
+#include "core/model.h"
 #include "core/result.h"
 
 namespace relume {
 
 struct RowKernelTime {
-  RowKernel kernel = RowKernel::row_per_thread;
-  MatrixFetch fetch = MatrixFetch::storage;
-  double seconds = 0.0;  ///< the least that a product took
+  RowKernelChoice choice;
+  double seconds = 0.0;  ///< the least that its trial took
 };
 
-/// Times every row kernel that the device can run, from storage and from texel buffers, on a made-up matrix
-/// of a million form factors in tiles of 8 rows, and gives them with the fastest first: values for
-/// SolverOptions. A kernel that gives other bits than the first is left out, so that a choice among the rest
-/// changes no result. Submits and waits, about a second in all: for the start of a program. What it gives
-/// depends on the device, its driver and `codec` alone, and may be kept for them. Fails as SolverSession
-/// does.
+/// Times all trials, the fastest first. One that gives other bits than the first is left out. Submits and
+/// waits, some tenths of a second in all. Fails as KernelTrials does.
 Result<std::vector<RowKernelTime>> time_row_kernels(StandaloneDevice& device, ValueCodec codec);
+
+/// The fastest for the rows of a model: measured, or as the file `cache` (compute/standalone/kernel_cache.h;
+/// empty: none) has it from an earlier run on the same device and driver. A cache that cannot be used is done
+/// without. Without rows in tiles: default_row_kernel, from texel buffers. Fails as time_row_kernels.
+Result<RowKernelChoice> tuned_row_kernel(StandaloneDevice& device, const Model& model,
+                                         const std::filesystem::path& cache);
 
 }  // namespace relume

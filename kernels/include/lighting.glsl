@@ -3,6 +3,7 @@
 #define RELUME_LIGHTING_GLSL
 
 #include "../shared/bindings.h"
+#include "fetch.glsl"
 
 layout(set = kSystemSet, binding = kAlbedoBinding, std430) readonly restrict buffer Albedo {
   vec4 albedo[];
@@ -13,12 +14,30 @@ layout(set = kSystemSet, binding = kExitanceBinding, std430) readonly restrict b
 layout(set = kSystemSet, binding = kDirectBinding, std430) readonly restrict buffer Direct {
   vec4 direct[];
 };
+layout(set = kSystemSet, binding = kAlbedoTexelsBinding) uniform samplerBuffer albedo_texels;
+layout(set = kSystemSet, binding = kExitanceTexelsBinding) uniform samplerBuffer exitance_texels;
+layout(set = kSystemSet, binding = kDirectTexelsBinding) uniform samplerBuffer direct_texels;
+
+vec3 albedo_of(uint cluster) {
+  if (kFetch == kFetchTexels) return texelFetch(albedo_texels, int(cluster)).rgb;
+  return albedo[cluster].rgb;
+}
+
+vec3 exitance_of(uint cluster) {
+  if (kFetch == kFetchTexels) return texelFetch(exitance_texels, int(cluster)).rgb;
+  return exitance[cluster].rgb;
+}
+
+vec3 direct_of(uint cluster) {
+  if (kFetch == kFetchTexels) return texelFetch(direct_texels, int(cluster)).rgb;
+  return direct[cluster].rgb;
+}
 
 /// B = M + albedo (H + I) of a cluster of the system.
 vec3 reflect_and_emit(uint cluster, vec3 irradiance) {
-  precise vec3 arriving = direct[cluster].rgb + irradiance;
-  precise vec3 reflected = albedo[cluster].rgb * arriving;
-  precise vec3 leaving = reflected + exitance[cluster].rgb;
+  precise vec3 arriving = direct_of(cluster) + irradiance;
+  precise vec3 reflected = albedo_of(cluster) * arriving;
+  precise vec3 leaving = reflected + exitance_of(cluster);
   return leaving;
 }
 

@@ -17,12 +17,12 @@
 #define RELUME_ROW_PRODUCT_GLSL
 
 #include "../shared/bindings.h"
+#include "fetch.glsl"
 #include "lane_tree.glsl"
 #include "range.glsl"
 
 layout(constant_id = kCodecConstant) const uint kCodec = kCodecF32;
 layout(constant_id = kTileRowsConstant) const uint kTileRows = 1u;
-layout(constant_id = kFetchConstant) const uint kFetch = kFetchStorage;
 
 layout(set = kSystemSet, binding = kLocalRadiosityBinding, std430) readonly restrict buffer LocalRadiosity {
   vec4 local_radiosity[];
@@ -31,6 +31,7 @@ layout(set = kSystemSet, binding = kLocalRadiosityTexelsBinding) uniform sampler
 layout(set = kBlockSet, binding = kTileOffsetsBinding, std430) readonly restrict buffer TileOffsets {
   uint tile_offsets[];
 };
+layout(set = kBlockSet, binding = kTileOffsetTexelsBinding) uniform usamplerBuffer tile_offset_texels;
 layout(set = kBlockSet, binding = kColumnsBinding, std430) readonly restrict buffer Columns {
   uint columns[];
 };
@@ -42,6 +43,17 @@ layout(set = kBlockSet, binding = kValueTexelsBinding) uniform usamplerBuffer va
 layout(set = kBlockSet, binding = kRowScalesBinding, std430) readonly restrict buffer RowScales {
   float row_scales[];
 };
+layout(set = kBlockSet, binding = kRowScaleTexelsBinding) uniform samplerBuffer row_scale_texels;
+
+uint tile_offset(uint tile) {
+  if (kFetch == kFetchTexels) return texelFetch(tile_offset_texels, int(tile)).x;
+  return tile_offsets[tile];
+}
+
+float row_scale(uint row) {
+  if (kFetch == kFetchTexels) return texelFetch(row_scale_texels, int(row)).x;
+  return row_scales[row];
+}
 
 uint column_word(uint index) {
   if (kFetch == kFetchTexels) return texelFetch(column_texels, int(index)).x;
@@ -77,11 +89,11 @@ float code_at(uint index) {
 }
 
 uint first_entry(uint row) {
-  return tile_offsets[row / kTileRows];
+  return tile_offset(row / kTileRows);
 }
 
 uint end_entry(uint row) {
-  return tile_offsets[row / kTileRows + 1u];
+  return tile_offset(row / kTileRows + 1u);
 }
 
 /// Adds one entry of a row to the sum of its lane.
@@ -92,7 +104,7 @@ void add_entry(inout precise vec3 lane_sum, uint row, uint entry) {
 
 /// A row's sum times its scale.
 vec3 scaled(uint row, vec3 sum) {
-  precise float scale = row_scales[row];
+  precise float scale = row_scale(row);
   if (kCodec == kCodecUnorm16) scale = scale * (1.0 / 65535.0);
   if (kCodec == kCodecSqrt8) scale = scale * (1.0 / 65025.0);
   precise vec3 product = sum * scale;

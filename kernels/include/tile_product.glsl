@@ -3,6 +3,9 @@
 // The lanes of include/row_product.glsl for the eight rows of a tile at once: an invocation is one lane of all of
 // them, so that a column and its radiosity are read once for eight form factors and the codes of an entry in one
 // load (two for f32). What follows brings the sums of a row's lanes together.
+//
+// Shaped for lavapipe: it has no branches but those that end a loop, so that a test before the body costs a whole
+// turn, and a fetch is a call that drops all registers, so that those of a turn go before its arithmetic.
 #ifndef RELUME_TILE_PRODUCT_GLSL
 #define RELUME_TILE_PRODUCT_GLSL
 
@@ -16,9 +19,14 @@ layout(set = kBlockSet, binding = kValuesBinding, std430) readonly restrict buff
   uvec2 code_pairs[];
 };
 
-/// Of rows 0 to 3 and 4 to 7.
+/// First row of the workgroup, from the first of the dispatch on.
+uint first_row_of_workgroup() {
+  return (gl_WorkGroupID.x * kSweeps + gl_WorkGroupID.y) * kWorkgroupSize;
+}
+
+/// The codes of an entry: of f32 rows 0 to 3 and 4 to 7, of unorm16 two, of sqrt8 four rows a word of `low`.
 struct TileCodes {
-  vec4 low, high;
+  uvec4 low, high;
 };
 
 uvec4 code_vector(uint index) {
@@ -31,57 +39,57 @@ uvec2 code_pair(uint index) {
   return code_pairs[index];
 }
 
-// By way of int, which every processor converts in one instruction.
-vec4 halves(uvec2 words) {
-  return vec4(ivec4(words.x & 0xffffu, words.x >> 16, words.y & 0xffffu, words.y >> 16));
-}
-
-vec4 squared_bytes(uint word) {
-  const vec4 roots = vec4(ivec4(word & 0xffu, (word >> 8) & 0xffu, (word >> 16) & 0xffu, word >> 24));
-  return roots * roots;
-}
-
 TileCodes tile_codes(uint entry) {
-  if (kCodec == kCodecUnorm16) {
-    const uvec4 words = code_vector(entry);
-    return TileCodes(halves(words.xy), halves(words.zw));
-  }
+  if (kCodec == kCodecUnorm16) return TileCodes(code_vector(entry), uvec4(0u));
+  if (kCodec == kCodecSqrt8) return TileCodes(uvec4(code_pair(entry), 0u, 0u), uvec4(0u));
+  return TileCodes(code_vector(2u * entry), code_vector(2u * entry + 1u));
+}
+
+// By way of int, which every processor converts in one instruction.
+float code_of_row(TileCodes codes, uint row) {
+  if (kCodec == kCodecUnorm16) return float(int(half_word(codes.low[row / 2u], row)));
   if (kCodec == kCodecSqrt8) {
-    const uvec2 words = code_pair(entry);
-    return TileCodes(squared_bytes(words.x), squared_bytes(words.y));
+    const float root = float(int((codes.low[row / 4u] >> (8u * (row & 3u))) & 0xffu));
+    return root * root;
   }
-  return TileCodes(uintBitsToFloat(code_vector(2u * entry)), uintBitsToFloat(code_vector(2u * entry + 1u)));
+  return uintBitsToFloat(row < 4u ? codes.low[row & 3u] : codes.high[row & 3u]);
 }
 
-void add_code(inout precise vec3 lane_sum, float code, vec3 b) {
-  precise vec3 term = code * b;
-  lane_sum = lane_sum + term;
+/// Entries of a lane in a turn.
+const uint kTurn = 4u;
+
+struct TileTurn {
+  TileCodes codes[kTurn];
+  vec3 b[kTurn];  ///< black where the tile has ended: +0 more does not change a sum
+};
+
+TileTurn fetch_turn(uint first, uint last) {
+  TileTurn turn;
+  uint columns_of_turn[kTurn];
+  for (uint i = 0u; i < kTurn; ++i) columns_of_turn[i] = column_of(min(first + i * kLanes, last));
+  for (uint i = 0u; i < kTurn; ++i) turn.codes[i] = tile_codes(min(first + i * kLanes, last));
+  for (uint i = 0u; i < kTurn; ++i) {
+    const vec3 b = radiosity_of(columns_of_turn[i]);
+    turn.b[i] = first + i * kLanes <= last ? b : vec3(0.0);
+  }
+  return turn;
 }
 
-void add_tile_entry(inout precise vec3 sums[kTileOfRows], uint entry) {
-  const vec3 b = radiosity_of(column_of(entry));
-  const TileCodes codes = tile_codes(entry);
-  add_code(sums[0], codes.low.x, b);
-  add_code(sums[1], codes.low.y, b);
-  add_code(sums[2], codes.low.z, b);
-  add_code(sums[3], codes.low.w, b);
-  add_code(sums[4], codes.high.x, b);
-  add_code(sums[5], codes.high.y, b);
-  add_code(sums[6], codes.high.z, b);
-  add_code(sums[7], codes.high.w, b);
-}
-
-/// The sums of lane `lane` of the rows of a tile.
+/// The sums of lane `lane` of the rows of a tile, from 0 on.
 void add_tile_lane(inout precise vec3 sums[kTileOfRows], uint tile, uint lane) {
-  uint entry = tile_offsets[tile];
-  const uint end = tile_offsets[tile + 1u];
-  for (; entry + 4u * kLanes <= end; entry += 4u * kLanes) {
-    add_tile_entry(sums, entry + lane);
-    add_tile_entry(sums, entry + kLanes + lane);
-    add_tile_entry(sums, entry + 2u * kLanes + lane);
-    add_tile_entry(sums, entry + 3u * kLanes + lane);
-  }
-  for (entry += lane; entry < end; entry += kLanes) add_tile_entry(sums, entry);
+  const uint end = tile_offset(tile + 1u);
+  uint entry = tile_offset(tile);
+  if (entry == end) return;
+  do {
+    const TileTurn turn = fetch_turn(entry + lane, end - 1u);
+    for (uint row = 0u; row < kTileOfRows; ++row) {
+      for (uint i = 0u; i < kTurn; ++i) {
+        precise vec3 term = code_of_row(turn.codes[i], row) * turn.b[i];
+        sums[row] = sums[row] + term;
+      }
+    }
+    entry += kTurn * kLanes;
+  } while (entry < end);
 }
 
 #endif

@@ -13,7 +13,7 @@ vec3 lane_sum_of(uint row, uint invocation) {
 void main() {
   const uint first = gl_LocalInvocationIndex & ~(kLanes - 1u);
   const uint lane = gl_LocalInvocationIndex - first;
-  const uint index = gl_WorkGroupID.x * kWorkgroupSize + first;
+  const uint index = first_row_of_workgroup() + first;
   const uint tile = (range.first_row + index) / kTileOfRows;
 
   precise vec3 sums[kTileOfRows];

@@ -20,6 +20,8 @@ const uint kFirstSenderBinding =
     1u;  // uint per system, then of the sky: sender 0 in the half that counts, or kNotLoaded
 const uint kResidualBinding = 2u;  // ResidualRecord per system
 const uint kSolveBindings = 3u;
+const uint kRadiosityTexelsBinding = 3u;  // rgba32f
+const uint kSolveTexelBindings = 1u;
 
 /// First sender of a system that is not there: black.
 const uint kNotLoaded = 0xffffffffu;
@@ -41,8 +43,14 @@ const uint kWeightsBinding = 6u;     // vec4 per cluster: v of the contraction b
 const uint kNodesBinding = 7u;       // uvec4 per node: first leaf, number of leaves, first of their shares, 0
 const uint kNodeSharesBinding = 8u;  // float per leaf of every node: what it counts for in the mean
 const uint kSystemBindings = 9u;
-const uint kLocalRadiosityTexelsBinding = 9u;  // rgba32f
-const uint kSystemTexelBindings = 1u;
+const uint kImportTexelsBinding = 9u;           // rgba32ui
+const uint kLocalRadiosityTexelsBinding = 10u;  // rgba32f, as the three that follow
+const uint kAlbedoTexelsBinding = 11u;
+const uint kExitanceTexelsBinding = 12u;
+const uint kDirectTexelsBinding = 13u;
+const uint kNodeTexelsBinding = 14u;       // rgba32ui
+const uint kNodeShareTexelsBinding = 15u;  // r32f
+const uint kSystemTexelBindings = 7u;
 
 /// Set of one block of a bounce or gather matrix, in the format of core/block_matrix.h, or of the light
 /// probes of a system.
@@ -57,7 +65,9 @@ const uint kColumnTexelsBinding = 4u;  // r32ui
 const uint kValueTexelsBinding = 5u;   // r32ui
 const uint kCodeTexelsBinding =
     6u;  // the values; of tiles of eight rows, unorm16 and f32 as rgba32ui, sqrt8 as rg32ui
-const uint kBlockTexelBindings = 3u;
+const uint kTileOffsetTexelsBinding = 7u;  // r32ui
+const uint kRowScaleTexelsBinding = 8u;    // r32f
+const uint kBlockTexelBindings = 5u;
 
 /// The same set for light probes (core/probe_coefficients.h).
 const uint kProbeListsBinding = 0u;    // three uints per probe: first entry among the senders, their end,
@@ -70,6 +80,20 @@ const uint kProbeListUints = 3u;
 const uint kProbeSenderUints = 5u;
 const uint kProbeHarmonics = 9u;
 
+/// The same set for the level above the bounces (core/methods/room_correction.h). A segment is the clusters of one
+/// system and one room, or in no room, that one room sees.
+const uint kRoomSegmentsBinding =
+    0u;  // uvec4 per segment: first entry, number of entries, room that sees them, their own room or kNoRoom
+const uint kRoomEntriesBinding = 1u;    // uvec2 per entry: cluster of the system, bits of its weight / area of the room
+const uint kRoomOfClusterBinding = 2u;  // uint per cluster of all systems: its room or kNoRoom
+// vec4: irradiance of kMaxRooms rooms, lm/m2; then per system, room that sees and room that is seen (kMaxRooms: none)
+// the sums over the entries of weight x albedo and of weight x change, lm/m2; 0 where there is no segment.
+const uint kRoomSumsBinding = 3u;
+const uint kRoomBindings = 4u;
+const uint kRoomEntryTexelsBinding = 6u;  // rg32ui
+
+const uint kNoRoom = 0xffffffffu;
+
 const uint kSets = 3u;
 
 /// Specialization constant: the ValueCodec of core/block_matrix.h.
@@ -78,7 +102,7 @@ const uint kCodecF32 = 0u;
 const uint kCodecUnorm16 = 1u;
 const uint kCodecSqrt8 = 2u;
 
-/// Specialization constant: where row products read from.
+/// Specialization constant: where row products, and what they need, are read from.
 const uint kFetchConstant = 1u;
 const uint kFetchStorage = 0u;  // storage buffers
 const uint kFetchTexels = 1u;   // texel buffers

@@ -11,10 +11,13 @@ RELUME_SHARED_BEGIN
 /// Push constants of every kernel. Row kernels do rows [first_row, first_row + count) of a block; the others
 /// do elements [0, count).
 struct Range {
-  uint first_row;  // in the block; start, residual: sender 0 of the system in its other half
-  uint count;      // rows, imports, clusters or nodes
+  uint first_row;  // in the block; start, residual, restrict_rooms: sender 0 of the system in its other half;
+                   // correct_rooms: bits of the largest radiosity
+  uint count;      // rows, imports, clusters or nodes; restrict_rooms: number of the system; solve_rooms: number of
+                   // systems
   uint block_row;  // row of the matrix that is row 0 of the block; nodes: number of leaves; residual: number
-                   // of the system
+                   // of the system; restrict_rooms: its first segment; solve_rooms: number of rooms;
+                   // correct_rooms: cluster of all systems that is its cluster 0
   uint first_sender;  // sender 0 of the system in the half that is written; residual: in the half that
                       // counts; directions: number of rows of the block
   // ---- 16 bytes

@@ -4,9 +4,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 
+#include "compute/room_tables.h"
 #include "compute/standalone/solve_on_device.h"
 #include "compute/standalone/standalone_device.h"
+#include "compute/standalone/tune_row_kernel.h"
 #include "core/methods/room_correction.h"
 #include "core/reference_solver.h"
 #include "tool/interrupt.h"
@@ -71,9 +75,11 @@ Result<SolveOutcome> solve_by_reference(const Model& model, const Lighting& ligh
   return outcome;
 }
 
-JsonObject seconds_json(const DeviceSeconds& seconds, double device) {
+JsonObject seconds_json(const DeviceSeconds& seconds, double device, double tuning) {
   return {{"device", device},
+          {"tuning", tuning},
           {"contraction", seconds.contraction},
+          {"rooms", seconds.rooms},
           {"create", seconds.create},
           {"upload", seconds.upload},
           {"bounces", seconds.bounces},
@@ -83,20 +89,69 @@ JsonObject seconds_json(const DeviceSeconds& seconds, double device) {
           {"gpu_gather", seconds.gpu_gather}};
 }
 
+/// Where programs keep what they can find out again; empty: nowhere.
+std::filesystem::path kernel_cache() {
+  const auto folder = [](const char* name) -> std::filesystem::path {
+    const char* value = std::getenv(name);
+    return value != nullptr ? value : "";
+  };
+  std::filesystem::path cache = folder("XDG_CACHE_HOME");
+  if (cache.empty() && !folder("HOME").empty()) cache = folder("HOME") / ".cache";
+  return cache.empty() ? cache : cache / "relume" / "kernels";
+}
+
+/// What was asked for, else what the device is fastest with.
+Result<void> choose_kernel(StandaloneDevice& device, const Model& model, const std::string& asked_for,
+                           DeviceSolveOptions& options) {
+  options.kernel = row_kernel_from_name(asked_for);
+  if (options.kernel) return {};
+  const auto tuned = tuned_row_kernel(device, model, kernel_cache());
+  if (!tuned) return tl::unexpected(tuned.error());
+  options.kernel = tuned->kernel;
+  // Texel buffers are the solver's own choice, where they fit.
+  if (tuned->fetch == MatrixFetch::storage) options.fetch = tuned->fetch;
+  return {};
+}
+
+/// Finding rooms costs as much as so many bounces of a device, or more.
+constexpr double kManyDeviceBounces = 1000.0;
+
+std::optional<RoomWeights> rooms_for(const Model& model, const std::optional<Method>& method,
+                                     double bounces) {
+  const bool wanted = method ? *method == Method::two_level : bounces > kManyDeviceBounces;
+  if (!wanted) return std::nullopt;
+  const SenderMatrix bounce_matrix = reference_matrices(model).bounce;
+  const std::vector<double> areas = cluster_areas(model);
+  const Rooms rooms = largest_rooms(correction_rooms(model, bounce_matrix), areas, kMaxDeviceRooms);
+  return room_weights(bounce_matrix, areas, rooms);
+}
+
+std::string reason_of(const DeviceSolution& solved, const StopRule& rule, bool asked_for) {
+  if (asked_for) return "asked for";
+  if (rule.tolerance <= 0.0) return "a number of bounces was asked for";
+  return fmt::format("bounces could take {:.0f}; finding rooms costs as much as {:.0f}",
+                     solved.predicted_bounces, kManyDeviceBounces);
+}
+
 Result<SolveOutcome> solve_by_vulkan(const Model& model, const Lighting& lighting, const StopRule& rule,
                                      const SolverChoice& choice, Console& console) {
-  if (choice.method.value_or(Method::bounces) != Method::bounces) {
+  const Method method = choice.method.value_or(Method::bounces);
+  if (method != Method::bounces && method != Method::two_level) {
     return fail(ErrorCode::usage,
-                fmt::format("--method {} runs on --device reference only; a Vulkan device does bounces",
-                            method_names()[std::size_t(*choice.method)]));
+                fmt::format("--method {} runs on --device reference only; a Vulkan device does "
+                            "bounces and two-level",
+                            method_names()[std::size_t(method)]));
   }
   Stopwatch watch;
   Result<StandaloneDevice> device = StandaloneDevice::create({.device_name = choice.device_name});
   if (!device) return tl::unexpected(device.error());
   const double device_seconds = watch.lap();
   DeviceSolveOptions options;
-  options.kernel = row_kernel_from_name(choice.kernel);
+  if (auto chosen = choose_kernel(*device, model, choice.kernel, options); !chosen)
+    return tl::unexpected(chosen.error());
+  const double tuning_seconds = watch.lap();
   options.observer = show_progress(rule, console);
+  options.find_rooms = [&](double bounces) { return rooms_for(model, choice.method, bounces); };
   Result<DeviceSolution> solved = solve_on_device(*device, model, lighting, rule, options);
   if (!solved) return tl::unexpected(solved.error());
   if (solved->limited_by_rounding) {
@@ -105,7 +160,11 @@ Result<SolveOutcome> solve_by_vulkan(const Model& model, const Lighting& lightin
         rule.tolerance, solved->solution.error_bound));
   }
   SolveOutcome outcome;
-  outcome.method_reason = choice.method ? "asked for" : "the one that Vulkan devices do";
+  if (!solved->solution.fallback.empty()) console.warn(solved->solution.fallback + ".");
+  outcome.method = solved->corrected_rooms > 0 ? Method::two_level : Method::bounces;
+  outcome.method_reason = reason_of(*solved, rule, choice.method.has_value());
+  if (method == Method::two_level && outcome.method != method)
+    outcome.method_reason = "no rooms were found to correct";
   outcome.solution = std::move(solved->solution);
   outcome.rounding_bound = solved->rounding_bound;
   outcome.gathered = std::move(solved->irradiance);
@@ -113,7 +172,7 @@ Result<SolveOutcome> solve_by_vulkan(const Model& model, const Lighting& lightin
   outcome.probes = std::move(solved->probes);
   outcome.device = std::move(solved->device);
   outcome.kernel = std::move(solved->kernel);
-  outcome.seconds = seconds_json(solved->seconds, device_seconds);
+  outcome.seconds = seconds_json(solved->seconds, device_seconds, tuning_seconds);
   return outcome;
 }
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "compute/test_models.h"
+#include "kernels/shared/limits.h"
 
 namespace relume::test {
 namespace {
@@ -81,6 +82,23 @@ TEST(PassPlan, RowsOfAllBlocksAreCoveredOnce) {
   }
 }
 
+// Workgroup (x, y) of a tile kernel does workgroup kSweeps x + y of rows.
+TEST(PassPlan, SweepsCoverAllRowsWithoutAWorkgroupTooMany) {
+  for (const std::uint32_t rows : {1u, 64u, 65u, 1024u, 1025u, 5000u}) {
+    MatrixBlock block;
+    block.tile_rows = 8;
+    block.row_count = rows;
+    block.tile_offsets.assign((rows + 7) / 8 + 1, 0);
+    Model model;
+    model.systems.emplace_back().bounce = {rows, 0, {block}};
+    const std::vector<DispatchStep> steps = bounce_of(model, RowKernel::tile_shuffle, 100);
+    ASSERT_EQ(steps.size(), 1u);
+    EXPECT_EQ(steps[0].sweeps, kernels::kSweeps);
+    EXPECT_GE(steps[0].workgroups * steps[0].sweeps * kernels::kWorkgroupSize, rows);
+    EXPECT_LT((steps[0].workgroups - 1) * steps[0].sweeps * kernels::kWorkgroupSize, rows);
+  }
+}
+
 TEST(PassPlan, AllProbesAreCoveredOnce) {
   const Model model = random_model({.probes = 40}, 2);
   const System& system = model.systems[1];
@@ -119,7 +137,7 @@ TEST(PassPlan, NoDispatchHasMoreWorkgroupsThanEveryDeviceAllows) {
 
 TEST(PassPlan, NodesAreCoveredOnceInDispatchesThatEveryDeviceAllows) {
   const ClusterTreeNodes tree{std::vector<TreeNode>(600'000, TreeNode{1, 2, 0}), {}};
-  const std::vector<DispatchStep> steps = plan_nodes(tree, 7);
+  const std::vector<DispatchStep> steps = plan_nodes(tree, 7, RowKernel::tile_shared, MatrixFetch::storage);
   ASSERT_EQ(steps.size(), 2u);
   EXPECT_EQ(steps[0].workgroups, 65535u);
   EXPECT_EQ(steps[1].range.first_row, 65535u * 8u);

@@ -40,7 +40,7 @@ int run() {
   if (!device) return static_cast<int>(device.error().code);
   std::printf("%u", subgroup_size(*device));
   for (const ValueCodec codec : {ValueCodec::f32, ValueCodec::unorm16, ValueCodec::sqrt8}) {
-    const Model model = random_model({}, 7, {codec, 24000, 8});
+    const Model model = random_model({.nodes = 25, .spanning_nodes = 30}, 7, {codec, 24000, 8});
     const Lighting lighting = random_lighting(model, 8);
     for (const RowKernel kernel : kRowKernels) {
       if (!supports_row_kernel(device->host(), kernel)) continue;

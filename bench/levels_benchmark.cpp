@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "benchmarks.h"
+#include "compute/room_tables.h"
+#include "compute/standalone/solve_on_device.h"
+#include "core/methods/methods.h"
+#include "core/methods/room_correction.h"
+
+namespace relume::bench {
+namespace {
+
+constexpr const char* kName = "levels";
+constexpr double kTolerance = 1e-3;
+constexpr std::uint32_t kMaxProducts = 4000;
+
+/// The stored lighting with every albedo nearer to 1, so that their mean by area is `mean` in green; lamps
+/// where there are any, else direct light that changes from cluster to cluster.
+Lighting raised(const Model& model, const std::vector<double>& areas, double mean) {
+  Lighting lighting = stored_lighting(model);
+  double absorbed = 0.0, area = 0.0;
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    absorbed += areas[i] * (1.0 - lighting.albedo[i].y);
+    area += areas[i];
+  }
+  const double factor = (1.0 - mean) * area / absorbed;
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    for (int c = 0; c < 3; ++c)
+      lighting.albedo[i][c] = std::clamp(1.0 - factor * (1.0 - lighting.albedo[i][c]), 0.0, 0.999);
+    lighting.direct[i] = Rgb(i % 100 == 0 ? 1000.0 : 0.0);
+  }
+  return lighting;
+}
+
+/// The worst over rooms of |a - b| / |b|, by area.
+double worst_room(const Rooms& rooms, const std::vector<double>& areas, const std::vector<Rgb>& a,
+                  const std::vector<Rgb>& b) {
+  std::vector<double> difference(rooms.count, 0.0), size(rooms.count, 0.0);
+  for (std::size_t i = 0; i < areas.size(); ++i) {
+    const std::uint32_t room = rooms.of_cluster[i];
+    if (room == kNone) continue;
+    difference[room] += areas[i] * glm::dot(a[i] - b[i], a[i] - b[i]);
+    size[room] += areas[i] * glm::dot(b[i], b[i]);
+  }
+  double worst = 0.0;
+  for (std::uint32_t room = 0; room < rooms.count; ++room) {
+    if (size[room] > 0.0) worst = std::max(worst, std::sqrt(difference[room] / size[room]));
+  }
+  return worst;
+}
+
+struct Bench {
+  StandaloneDevice device;
+  Model model;
+  std::vector<double> areas;
+  SenderMatrix matrix;
+  Rooms rooms;          ///< all
+  RoomWeights weights;  ///< of those that the device corrects
+};
+
+Result<void> measure(Bench& bench, double albedo, std::vector<Measurement>& result) {
+  const Lighting lighting = raised(bench.model, bench.areas, albedo);
+  const auto problem = make_bounce_problem(bench.matrix, lighting, bench.areas);
+  if (!problem) return tl::unexpected(problem.error());
+  const auto answer = solve_by(Method::two_level_bicgstab, *problem, bench.rooms, {2000, 1e-8});
+  if (!answer) return tl::unexpected(answer.error());
+  for (const bool corrected : {false, true}) {
+    DeviceSolveOptions options;
+    if (corrected) options.find_rooms = [&](double) { return std::optional(bench.weights); };
+    const auto found =
+        solve_on_device(bench.device, bench.model, lighting, {kMaxProducts, kTolerance}, options);
+    if (!found) return tl::unexpected(found.error());
+    const std::string name = fmt::format("albedo {}, {}", albedo, corrected ? "two levels" : "bounces");
+    const double error = worst_room(bench.rooms, bench.areas, found->solution.radiosity, answer->radiosity);
+    result.push_back({kName, name, "products", {double(found->solution.bounces)}});
+    result.push_back({kName, name + ", device", "ms", {1e3 * found->seconds.gpu_bounces}});
+    result.push_back({kName, name + ", worst room", "", {error}});
+    if (!found->solution.fallback.empty()) result.push_back({kName, name + " gave up", "", {1.0}});
+  }
+  return {};
+}
+
+}  // namespace
+
+Measurements levels(const BenchmarkOptions& options) {
+  const auto scene = benchmark_scene(options);
+  if (!scene) return tl::unexpected(scene.error());
+  auto model = model_with_error(options, *scene);
+  if (!model) return tl::unexpected(model.error());
+  auto device = StandaloneDevice::create({});
+  if (!device) return tl::unexpected(device.error());
+  SenderMatrix matrix = reference_matrices(*model).bounce;
+  const std::vector<double> areas = cluster_areas(*model);
+  const Rooms rooms = correction_rooms(*model, matrix);
+  RoomWeights weights = room_weights(matrix, areas, largest_rooms(rooms, areas, kMaxDeviceRooms));
+  Bench bench{std::move(*device), std::move(*model), areas, std::move(matrix), rooms, std::move(weights)};
+  std::vector<Measurement> result{{kName, "rooms", "", {double(rooms.count)}}};
+  for (const double albedo : {0.5, 0.8, 0.95, 0.99}) {
+    if (auto measured = measure(bench, albedo, result); !measured) return tl::unexpected(measured.error());
+  }
+  return result;
+}
+
+}  // namespace relume::bench

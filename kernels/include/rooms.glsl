@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+//
+// The level above the bounces: one irradiance per room (core/methods/room_correction.h). What its kernels share.
+#ifndef RELUME_ROOMS_GLSL
+#define RELUME_ROOMS_GLSL
+
+#include "../shared/bindings.h"
+#include "radiosity.glsl"
+#include "range.glsl"
+
+layout(set = kBlockSet, binding = kRoomSegmentsBinding, std430) readonly restrict buffer RoomSegments {
+  uvec4 segments[];
+};
+layout(set = kBlockSet, binding = kRoomEntriesBinding, std430) readonly restrict buffer RoomEntries {
+  uvec2 entries[];
+};
+layout(set = kBlockSet, binding = kRoomOfClusterBinding, std430) readonly restrict buffer RoomOfCluster {
+  uint room_of_cluster[];
+};
+layout(set = kBlockSet, binding = kRoomSumsBinding, std430) restrict buffer RoomSums {
+  vec4 room_sums[];
+};
+layout(set = kSystemSet, binding = kAlbedoBinding, std430) readonly restrict buffer Albedo {
+  vec4 albedo[];
+};
+
+/// Of the two sums of a pair, the first; `seen`: a room, or what is above all of them for none.
+uint pair_sums(uint system, uint seeing, uint seen) {
+  const uint pair = seeing * (kMaxRooms + 1u) + min(seen, kMaxRooms);
+  return kMaxRooms + 2u * (system * kRoomPairs + pair);
+}
+
+#endif
