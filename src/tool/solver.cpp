@@ -113,10 +113,9 @@ Result<void> choose_kernel(StandaloneDevice& device, const Model& model, const s
   return {};
 }
 
-/// BiCGSTAB needs a tenth to a quarter of the products, but each goes by way of the processor.
+/// BiCGSTAB needs a tenth to a third of the products, but each goes by way of the processor. Over rooms it
+/// needs hardly fewer, and finding them takes as long as hundreds of bounces of a device.
 constexpr double kFewDeviceBounces = 60.0;
-/// Finding rooms costs as much as so many bounces of a device, or more.
-constexpr double kManyDeviceBounces = 1000.0;
 
 Result<void> check_device_method(const std::optional<Method>& method) {
   for (const Method known :
@@ -129,13 +128,9 @@ Result<void> check_device_method(const std::optional<Method>& method) {
                           method_names()[std::size_t(*method)]));
 }
 
-Method fastest_on_device(double bounces) {
-  if (bounces <= kFewDeviceBounces) return Method::bounces;
-  return bounces <= kManyDeviceBounces ? Method::bicgstab : Method::two_level_bicgstab;
-}
-
 DeviceMethod device_method(const Model& model, const std::optional<Method>& asked_for, double bounces) {
-  const Method method = asked_for.value_or(fastest_on_device(bounces));
+  const Method fastest = bounces <= kFewDeviceBounces ? Method::bounces : Method::bicgstab;
+  const Method method = asked_for.value_or(fastest);
   if (method != Method::two_level && method != Method::two_level_bicgstab) return {method, {}};
   const SenderMatrix bounce_matrix = reference_matrices(model).bounce;
   const std::vector<double> areas = cluster_areas(model);
