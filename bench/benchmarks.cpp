@@ -27,7 +27,7 @@ constexpr std::array<Benchmark, 8> kBenchmarks{{
     {"shadow_rays", "shadow rays a second of the device against Embree, and milliseconds for lights",
      shadow_rays},
     {"solve", "form factors a second of the reference product and of each device kernel", solve},
-    {"levels", "products of bounces and of two levels on the device, with albedos raised", levels},
+    {"levels", "products of the methods that a device does, with albedos raised", levels},
     {"frame", "milliseconds of the stages of a frame, of what changes in it, and to the first one", frame},
     {"tracking", "how far frames of one and two bounces are behind a lamp on a circle", tracking},
 }};

@@ -48,7 +48,7 @@ Measurements sampling(const BenchmarkOptions& options);
 /// Shadow rays a second of the device against Embree's, and the time that lights take.
 Measurements shadow_rays(const BenchmarkOptions& options);
 
-/// Products and milliseconds of plain bounces and of two levels on the device, with albedos raised.
+/// Products and milliseconds of the methods that a device does, with albedos raised.
 Measurements levels(const BenchmarkOptions& options);
 
 /// Milliseconds of the stages of a frame, of lights that move, of new albedos, and to the first frame.

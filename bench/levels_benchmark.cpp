@@ -57,8 +57,8 @@ struct Bench {
   Model model;
   std::vector<double> areas;
   SenderMatrix matrix;
-  Rooms rooms;          ///< all
-  RoomWeights weights;  ///< of those that the device corrects
+  Rooms rooms;  ///< all
+  std::vector<DeviceMethod> methods;
 };
 
 Result<void> measure(Bench& bench, double albedo, std::vector<Measurement>& result) {
@@ -67,16 +67,16 @@ Result<void> measure(Bench& bench, double albedo, std::vector<Measurement>& resu
   if (!problem) return tl::unexpected(problem.error());
   const auto answer = solve_by(Method::two_level_bicgstab, *problem, bench.rooms, {2000, 1e-8});
   if (!answer) return tl::unexpected(answer.error());
-  for (const bool corrected : {false, true}) {
+  for (const DeviceMethod& method : bench.methods) {
     DeviceSolveOptions options;
-    if (corrected) options.find_rooms = [&](double) { return std::optional(bench.weights); };
+    options.choose_method = [&](double) { return method; };
     const auto found =
         solve_on_device(bench.device, bench.model, lighting, {kMaxProducts, kTolerance}, options);
     if (!found) return tl::unexpected(found.error());
-    const std::string name = fmt::format("albedo {}, {}", albedo, corrected ? "two levels" : "bounces");
+    const std::string name = fmt::format("albedo {}, {}", albedo, method_names()[std::size_t(method.method)]);
     const double error = worst_room(bench.rooms, bench.areas, found->solution.radiosity, answer->radiosity);
     result.push_back({kName, name, "products", {double(found->solution.bounces)}});
-    result.push_back({kName, name + ", device", "ms", {1e3 * found->seconds.gpu_bounces}});
+    result.push_back({kName, name + ", host clock", "ms", {1e3 * found->seconds.bounces}});
     result.push_back({kName, name + ", worst room", "", {error}});
     if (!found->solution.fallback.empty()) result.push_back({kName, name + " gave up", "", {1.0}});
   }
@@ -95,8 +95,12 @@ Measurements levels(const BenchmarkOptions& options) {
   SenderMatrix matrix = reference_matrices(*model).bounce;
   const std::vector<double> areas = cluster_areas(*model);
   const Rooms rooms = correction_rooms(*model, matrix);
-  RoomWeights weights = room_weights(matrix, areas, largest_rooms(rooms, areas, kMaxDeviceRooms));
-  Bench bench{std::move(*device), std::move(*model), areas, std::move(matrix), rooms, std::move(weights)};
+  const std::vector<DeviceMethod> methods{
+      {},
+      {Method::two_level, room_weights(matrix, areas, largest_rooms(rooms, areas, kMaxDeviceRooms))},
+      {Method::bicgstab, {}},
+      {Method::two_level_bicgstab, room_weights(matrix, areas, rooms)}};
+  Bench bench{std::move(*device), std::move(*model), areas, std::move(matrix), rooms, methods};
   std::vector<Measurement> result{{kName, "rooms", "", {double(rooms.count)}}};
   for (const double albedo : {0.5, 0.8, 0.95, 0.99}) {
     if (auto measured = measure(bench, albedo, result); !measured) return tl::unexpected(measured.error());

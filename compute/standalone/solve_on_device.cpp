@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "compute/row_kernels.h"
+#include "compute/standalone/solve_by_products.h"
 #include "compute/standalone/solver_session.h"
 #include "kernels/shared/limits.h"
 
@@ -114,13 +115,14 @@ class ProgressWatch {
 class BounceLoop {
  public:
   BounceLoop(SolverSession& session, const ContractionBound& contraction, double rounding,
-             const StopRule& rule, const DeviceSolveOptions& options, bool correct)
+             const StopRule& rule, const DeviceSolveOptions& options, std::uint32_t rooms)
       : session_(session),
         contraction_(contraction),
         rounding_(rounding),
         rule_(rule),
         options_(options),
-        correct_(correct) {}
+        rooms_(rooms),
+        correct_(rooms > 0) {}
 
   Result<void> run(DeviceSolution& out) {
     if (auto started = session_.run({.restart = true}); !started) return failed(started.error());
@@ -146,7 +148,7 @@ class BounceLoop {
         out.limited_by_rounding = true;
         break;
       }
-      out.solution.fallback = "the correction of " + std::to_string(out.corrected_rooms) +
+      out.solution.fallback = "the correction of " + std::to_string(rooms_) +
                               " rooms did not lower the residual any more; plain bounces went on after " +
                               std::to_string(out.solution.bounces) + " products";
       correct_ = false;
@@ -211,6 +213,7 @@ class BounceLoop {
   double rounding_;
   const StopRule& rule_;
   const DeviceSolveOptions& options_;
+  std::uint32_t rooms_;
   bool correct_;
 };
 
@@ -261,14 +264,44 @@ double predicted_bounces(const ContractionBound& contraction, const StopRule& ru
   return q <= 0.0 ? 1.0 : std::ceil(std::log(std::min(rule.tolerance, 0.5)) / std::log(q));
 }
 
-/// Gives the session the rooms that the finder wants to be corrected.
-Result<void> find_rooms(SolverSession& session, const Model& model, const DeviceSolveOptions& options,
-                        DeviceSolution& out) {
-  const auto weights =
-      options.find_rooms ? options.find_rooms(out.predicted_bounces) : std::optional<RoomWeights>{};
-  if (!weights || weights->rooms.count == 0) return {};
-  out.corrected_rooms = weights->rooms.count;
-  return session.correct_by(model, *weights);
+bool by_products(Method method) {
+  return method == Method::bicgstab || method == Method::two_level_bicgstab;
+}
+
+Result<DeviceMethod> choose_method(SolverSession& session, const Model& model,
+                                   const DeviceSolveOptions& options, const StopRule& rule, double bounces) {
+  const bool any = options.choose_method && rule.max_bounces > 0;
+  DeviceMethod chosen = any ? options.choose_method(bounces) : DeviceMethod{};
+  const bool corrects = chosen.method == Method::two_level;
+  if (!corrects && chosen.method != Method::bounces && !by_products(chosen.method)) {
+    return fail(ErrorCode::usage,
+                "a device does not solve by " + method_names()[static_cast<std::size_t>(chosen.method)]);
+  }
+  if (corrects && chosen.rooms.rooms.count == 0) return DeviceMethod{};
+  if (!corrects) return chosen;
+  if (auto loaded = session.correct_by(model, chosen.rooms); !loaded) return failed(loaded.error());
+  return chosen;
+}
+
+Result<void> solve_by_products(SolverSession& session, const Model& model, const Lighting& lighting,
+                               const ContractionBound& contraction, const DeviceMethod& method,
+                               const StopRule& rule, const DeviceSolveOptions& options, DeviceSolution& out) {
+  const double rounding = rounding_of_bounce(model);
+  const RoomWeights* rooms = method.method == Method::bicgstab ? nullptr : &method.rooms;
+  auto solved =
+      solve_by_products(session, model, lighting, contraction, rounding, rooms, rule, options.observer);
+  if (!solved) return failed(solved.error());
+  out.solution = std::move(*solved);
+  out.limited_by_rounding = rule.tolerance > 0.0 && out.solution.error_bound > rule.tolerance &&
+                            out.solution.bounces < rule.max_bounces;
+  const std::vector<Rgb>& radiosity = out.solution.radiosity;
+  Rgb top(0.0), weighted(0.0);
+  for (std::size_t i = 0; i < radiosity.size(); ++i) {
+    top = glm::max(top, radiosity[i]);
+    weighted = glm::max(weighted, radiosity[i] / contraction.weights[i]);
+  }
+  out.rounding_bound = worst_ratio(rounding * weighted / (1.0 - contraction.quotient), top);
+  return {};
 }
 
 }  // namespace
@@ -301,12 +334,19 @@ Result<DeviceSolution> solve_on_device(StandaloneDevice& device, const Model& mo
   out.seconds.contraction = watch.lap();
 
   out.predicted_bounces = predicted_bounces(*contraction, rule);
-  if (auto found = find_rooms(*session, model, options, out); !found) return failed(found.error());
+  const auto method = choose_method(*session, model, options, rule, out.predicted_bounces);
+  if (!method) return failed(method.error());
+  out.method = method->method;
   out.seconds.rooms = watch.lap();
 
-  if (auto lit = session->light(lighting, contraction->weights); !lit) return failed(lit.error());
-  BounceLoop loop(*session, *contraction, rounding, rule, options, out.corrected_rooms > 0);
-  if (auto bounced = loop.run(out); !bounced) return failed(bounced.error());
+  if (by_products(out.method)) {
+    auto solved = solve_by_products(*session, model, lighting, *contraction, *method, rule, options, out);
+    if (!solved) return failed(solved.error());
+  } else {
+    if (auto lit = session->light(lighting, contraction->weights); !lit) return failed(lit.error());
+    BounceLoop loop(*session, *contraction, rounding, rule, options, method->rooms.rooms.count);
+    if (auto bounced = loop.run(out); !bounced) return failed(bounced.error());
+  }
   out.seconds.bounces = watch.lap();
   if (auto gathered = gather(*session, out); !gathered) return failed(gathered.error());
   return out;

@@ -10,7 +10,7 @@
 #include "compute/gpu_solver.h"
 #include "compute/standalone/standalone_device.h"
 #include "core/directional_irradiance.h"
-#include "core/methods/room_correction.h"
+#include "core/methods/methods.h"
 #include "core/model.h"
 #include "core/probe_coefficients.h"
 #include "core/reference_solver.h"
@@ -23,9 +23,17 @@ namespace relume {
 /// Not measured: see tuned_row_kernel.
 RowKernel default_row_kernel(const StandaloneDevice& device, const Model& model);
 
-/// The rooms for two levels (at most kMaxDeviceRooms), or nothing for plain bounces, of which so many could
-/// be needed. Asked once the contraction is known.
-using RoomFinder = std::function<std::optional<RoomWeights>(double bounces)>;
+/// How to solve, and the rooms that the methods with two levels need.
+struct DeviceMethod {
+  /// bounces, two_level (PassWishes::correct, of at most kMaxDeviceRooms rooms), bicgstab or
+  /// two_level_bicgstab (of any rooms): for these two the device does the products, and the processor the
+  /// rest.
+  Method method = Method::bounces;
+  RoomWeights rooms{};
+};
+
+/// Asked once the contraction is known; `bounces`: how many plain ones could be needed.
+using MethodChooser = std::function<DeviceMethod(double bounces)>;
 
 struct DeviceSolveOptions {
   /// Nothing: default_row_kernel. The result is the same to the bit.
@@ -36,7 +44,7 @@ struct DeviceSolveOptions {
   std::uint64_t max_submit_form_factors = 32'000'000;
   double timeout_seconds = 60.0;  ///< of one submission
   BounceObserver observer{};      ///< called after each residual, every few bounces
-  RoomFinder find_rooms{};        ///< none: plain bounces
+  MethodChooser choose_method{};  ///< none: plain bounces
 };
 
 struct DeviceSeconds {
@@ -58,9 +66,8 @@ struct DeviceSolution {
   /// (1 - q), n: the longest row; with nodes of at most m leaves ceil(m / 8) + 7 more, with nodes of p parts
   /// above the systems p + 4 more.
   double rounding_bound = 0.0;
-  /// Rooms whose irradiance was corrected between bounces (PassWishes::correct); 0: plain bounces. Where
-  /// corrections did not help, Solution::fallback says that plain bounces went on.
-  std::uint32_t corrected_rooms = 0;
+  /// Where it did not help, Solution::fallback says that plain bounces went on.
+  Method method = Method::bounces;
   double predicted_bounces =
       0.0;  ///< plain ones to the tolerance: ln tolerance / ln q; 0 without a tolerance
   /// The tolerance was not reached because rounding keeps the residual from falling further.

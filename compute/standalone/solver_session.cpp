@@ -128,7 +128,7 @@ Result<void> SolverSession::light(const Lighting& lighting, const std::vector<Rg
   return {};
 }
 
-Result<std::vector<Rgb>> SolverSession::multiply(const std::vector<Rgb>& v) {
+Result<void> SolverSession::set_radiosity(const std::vector<Rgb>& v) {
   UploadData data;
   for (std::uint32_t system = 0; system + 1 < first_cluster_.size(); ++system) {
     if (!solver_.loaded(system)) continue;
@@ -138,6 +138,11 @@ Result<std::vector<Rgb>> SolverSession::multiply(const std::vector<Rgb>& v) {
     schedule_.systems[system].started = true;
   }
   if (auto uploaded = upload(data); !uploaded) return tl::unexpected<Error>(uploaded.error());
+  return {};
+}
+
+Result<std::vector<Rgb>> SolverSession::multiply(const std::vector<Rgb>& v) {
+  if (auto set = set_radiosity(v); !set) return tl::unexpected<Error>(set.error());
   if (auto bounced = run({.bounces = 1}); !bounced) return tl::unexpected<Error>(bounced.error());
   return read_radiosity();
 }

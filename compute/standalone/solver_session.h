@@ -41,6 +41,9 @@ class SolverSession {
   /// core/solve.h.
   Result<void> light(const Lighting& lighting, const std::vector<Rgb>& weights);
 
+  /// The latest radiosity from now on.
+  Result<void> set_radiosity(const std::vector<Rgb>& radiosity);
+
   /// rho K v on the device, by a bounce of a scene without light of its own: `lighting` is that of the last
   /// light(), with exitance, direct irradiance and sky black. What was the latest radiosity is lost.
   Result<std::vector<Rgb>> multiply(const std::vector<Rgb>& v);

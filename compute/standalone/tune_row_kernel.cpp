@@ -15,7 +15,8 @@
 namespace relume {
 namespace {
 
-constexpr int kRounds = 5;
+/// Enough that each trial has the cores to itself at least once, on a machine that does other things as well.
+constexpr int kRounds = 15;
 constexpr VkDeviceSize kStagingBytes = VkDeviceSize{16} << 20;
 
 Result<void> provide_memory(StandaloneDevice& device, KernelTrials& trials, DeviceArena& arena) {

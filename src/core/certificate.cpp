@@ -63,6 +63,18 @@ Change measure_change(const SenderMatrix& senders, const ContractionBound& contr
   return change;
 }
 
+Change measure_change(const ContractionBound& contraction, double rounding, const std::vector<Rgb>& before,
+                      const std::vector<Rgb>& after) {
+  Change change;
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    const Rgb difference = finite_or_infinite(glm::abs(after[i] - before[i]));
+    change.largest = glm::max(change.largest, difference);
+    change.weighted = glm::max(change.weighted, difference / contraction.weights[i]);
+    change.rounding = glm::max(change.rounding, rounding * glm::abs(after[i]) / contraction.weights[i]);
+  }
+  return change;
+}
+
 void rate_solution(const Change& change, const Rgb& first, const Rgb& quotient, Solution& solution) {
   const Rgb top = largest(solution.radiosity);
   solution.relative_residual = worst_ratio(Rgb(largest_channel(change.largest)), Rgb(largest_channel(top)));

@@ -23,6 +23,10 @@ struct Change {
 Change measure_change(const SenderMatrix& matrix, const ContractionBound& contraction,
                       const std::vector<Rgb>& before, const std::vector<Rgb>& after);
 
+/// The same of a bounce whose result is off by at most `rounding` of it.
+Change measure_change(const ContractionBound& contraction, double rounding, const std::vector<Rgb>& before,
+                      const std::vector<Rgb>& after);
+
 /// Sets residual and error bound of solution.radiosity. All further bounces add up to a geometric series
 /// whose first term is at most `first` times the change (q for what came after that bounce, 1 for what was
 /// before it), and each rounds.

@@ -113,35 +113,42 @@ Result<void> choose_kernel(StandaloneDevice& device, const Model& model, const s
   return {};
 }
 
-/// Finding rooms costs as much as so many bounces of a device, or more.
-constexpr double kManyDeviceBounces = 1000.0;
+/// BiCGSTAB needs a tenth to a third of the products, but each goes by way of the processor. Over rooms it
+/// needs hardly fewer, and finding them takes as long as hundreds of bounces of a device.
+constexpr double kFewDeviceBounces = 60.0;
 
-std::optional<RoomWeights> rooms_for(const Model& model, const std::optional<Method>& method,
-                                     double bounces) {
-  const bool wanted = method ? *method == Method::two_level : bounces > kManyDeviceBounces;
-  if (!wanted) return std::nullopt;
-  const SenderMatrix bounce_matrix = reference_matrices(model).bounce;
-  const std::vector<double> areas = cluster_areas(model);
-  const Rooms rooms = largest_rooms(correction_rooms(model, bounce_matrix), areas, kMaxDeviceRooms);
-  return room_weights(bounce_matrix, areas, rooms);
+Result<void> check_device_method(const std::optional<Method>& method) {
+  for (const Method known :
+       {Method::bounces, Method::two_level, Method::bicgstab, Method::two_level_bicgstab}) {
+    if (method.value_or(Method::bounces) == known) return {};
+  }
+  return fail(ErrorCode::usage,
+              fmt::format("--method {} runs on --device reference only; a Vulkan device does bounces, "
+                          "two-level, bicgstab and two-level-bicgstab",
+                          method_names()[std::size_t(*method)]));
 }
 
-std::string reason_of(const DeviceSolution& solved, const StopRule& rule, bool asked_for) {
-  if (asked_for) return "asked for";
+DeviceMethod device_method(const Model& model, const std::optional<Method>& asked_for, double bounces) {
+  const Method fastest = bounces <= kFewDeviceBounces ? Method::bounces : Method::bicgstab;
+  const Method method = asked_for.value_or(fastest);
+  if (method != Method::two_level && method != Method::two_level_bicgstab) return {method, {}};
+  const SenderMatrix bounce_matrix = reference_matrices(model).bounce;
+  const std::vector<double> areas = cluster_areas(model);
+  Rooms rooms = correction_rooms(model, bounce_matrix);
+  if (method == Method::two_level) rooms = largest_rooms(rooms, areas, kMaxDeviceRooms);
+  return {method, room_weights(bounce_matrix, areas, rooms)};
+}
+
+std::string reason_of(const DeviceSolution& solved, const StopRule& rule,
+                      const std::optional<Method>& asked_for) {
+  if (asked_for) return solved.method == *asked_for ? "asked for" : "no rooms were found to correct";
   if (rule.tolerance <= 0.0) return "a number of bounces was asked for";
-  return fmt::format("bounces could take {:.0f}; finding rooms costs as much as {:.0f}",
-                     solved.predicted_bounces, kManyDeviceBounces);
+  return fmt::format("bounces could take {:.0f}", solved.predicted_bounces);
 }
 
 Result<SolveOutcome> solve_by_vulkan(const Model& model, const Lighting& lighting, const StopRule& rule,
                                      const SolverChoice& choice, Console& console) {
-  const Method method = choice.method.value_or(Method::bounces);
-  if (method != Method::bounces && method != Method::two_level) {
-    return fail(ErrorCode::usage,
-                fmt::format("--method {} runs on --device reference only; a Vulkan device does "
-                            "bounces and two-level",
-                            method_names()[std::size_t(method)]));
-  }
+  if (auto checked = check_device_method(choice.method); !checked) return tl::unexpected(checked.error());
   Stopwatch watch;
   Result<StandaloneDevice> device = StandaloneDevice::create({.device_name = choice.device_name});
   if (!device) return tl::unexpected(device.error());
@@ -151,7 +158,7 @@ Result<SolveOutcome> solve_by_vulkan(const Model& model, const Lighting& lightin
     return tl::unexpected(chosen.error());
   const double tuning_seconds = watch.lap();
   options.observer = show_progress(rule, console);
-  options.find_rooms = [&](double bounces) { return rooms_for(model, choice.method, bounces); };
+  options.choose_method = [&](double bounces) { return device_method(model, choice.method, bounces); };
   Result<DeviceSolution> solved = solve_on_device(*device, model, lighting, rule, options);
   if (!solved) return tl::unexpected(solved.error());
   if (solved->limited_by_rounding) {
@@ -161,10 +168,8 @@ Result<SolveOutcome> solve_by_vulkan(const Model& model, const Lighting& lightin
   }
   SolveOutcome outcome;
   if (!solved->solution.fallback.empty()) console.warn(solved->solution.fallback + ".");
-  outcome.method = solved->corrected_rooms > 0 ? Method::two_level : Method::bounces;
-  outcome.method_reason = reason_of(*solved, rule, choice.method.has_value());
-  if (method == Method::two_level && outcome.method != method)
-    outcome.method_reason = "no rooms were found to correct";
+  outcome.method = solved->method;
+  outcome.method_reason = reason_of(*solved, rule, choice.method);
   outcome.solution = std::move(solved->solution);
   outcome.rounding_bound = solved->rounding_bound;
   outcome.gathered = std::move(solved->irradiance);

@@ -96,14 +96,14 @@ TEST_F(TwoLevel, RoomsThatSeeEvenlyAreSolvedByOneCorrection) {
   const Lighting lighting = lit(0.0);
   DeviceSolveOptions options;
   double predicted = 0.0;
-  options.find_rooms = [&](double bounces) {
+  options.choose_method = [&](double bounces) {
     predicted = bounces;
-    return std::optional(weights_of_two(model));
+    return DeviceMethod{Method::two_level, weights_of_two(model)};
   };
   const auto out = solve_on_device(device(), model, lighting, {2000, 1e-3}, options);
   ASSERT_TRUE(out) << out.error().message;
   EXPECT_GT(predicted, 300.0);
-  EXPECT_EQ(out->corrected_rooms, 2u);
+  EXPECT_EQ(out->method, Method::two_level);
   EXPECT_TRUE(out->solution.fallback.empty()) << out->solution.fallback;
   EXPECT_LE(out->solution.bounces, 3u);
   EXPECT_LT(worst_error(out->solution.radiosity, exact(lighting)), 1e-3);
@@ -118,7 +118,9 @@ TEST_F(TwoLevel, AgreesWithPlainBouncesInScenesThatAreNotEven) {
   std::vector<std::uint32_t> rooms(cluster_offsets(model).back());
   for (std::size_t i = 0; i < rooms.size(); ++i) rooms[i] = i % 11 == 0 ? kNone : std::uint32_t(i % 3);
   DeviceSolveOptions options;
-  options.find_rooms = [&](double) { return std::optional(weights_of(model, rooms, 3)); };
+  options.choose_method = [&](double) {
+    return DeviceMethod{Method::two_level, weights_of(model, rooms, 3)};
+  };
   const auto corrected = solve_on_device(device(), model, lighting, rule, options);
   ASSERT_TRUE(plain && corrected);
   EXPECT_LT(worst_error(corrected->solution.radiosity, plain->solution.radiosity), 1e-4);
@@ -127,15 +129,56 @@ TEST_F(TwoLevel, AgreesWithPlainBouncesInScenesThatAreNotEven) {
     EXPECT_GE(std::min({value.x, value.y, value.z}), 0.0);
 }
 
+TEST_F(TwoLevel, BicgstabHasItsProductsDoneByTheDevice) {
+  const Model model = random_model({.nodes = 9, .spanning_nodes = 20, .row_sum = 0.999}, 64);
+  Lighting lighting = random_lighting(model, 65);
+  for (Rgb& albedo : lighting.albedo) albedo = 0.9 + 0.09 * albedo;
+  const StopRule rule{5000, 1e-5};
+  const auto plain = solve_on_device(device(), model, lighting, rule);
+  ASSERT_TRUE(plain);
+  const std::vector<std::uint32_t> rooms(cluster_offsets(model).back(), 0);
+  for (const Method method : {Method::bicgstab, Method::two_level_bicgstab}) {
+    DeviceSolveOptions options;
+    options.choose_method = [&](double) { return DeviceMethod{method, weights_of(model, rooms, 1)}; };
+    const auto out = solve_on_device(device(), model, lighting, rule, options);
+    ASSERT_TRUE(out) << out.error().message;
+    EXPECT_EQ(out->method, method);
+    EXPECT_TRUE(out->solution.fallback.empty()) << out->solution.fallback;
+    EXPECT_LT(out->solution.bounces, plain->solution.bounces / 2);
+    EXPECT_LE(out->solution.error_bound, rule.tolerance);
+    EXPECT_LT(worst_error(out->solution.radiosity, plain->solution.radiosity), 1e-4);
+    EXPECT_LT(worst_error(out->irradiance, plain->irradiance), 1e-4);
+  }
+}
+
+// No bound of 1e-12 can be had from 32 bits.
+TEST_F(TwoLevel, BicgstabEndsWhereProductsRound) {
+  const Model model = two_rooms();
+  DeviceSolveOptions options;
+  options.choose_method = [&](double) { return DeviceMethod{Method::bicgstab, {}}; };
+  const auto out = solve_on_device(device(), model, lit(0.0), {5000, 1e-12}, options);
+  ASSERT_TRUE(out) << out.error().message;
+  EXPECT_TRUE(out->limited_by_rounding);
+  EXPECT_LT(out->solution.bounces, 200u);
+  EXPECT_GT(out->rounding_bound, 0.0);
+  EXPECT_LT(worst_error(out->solution.radiosity, exact(lit(0.0))), 1e-3);
+}
+
+TEST_F(TwoLevel, RefusesMethodsThatNeedTheMatrix) {
+  DeviceSolveOptions options;
+  options.choose_method = [&](double) { return DeviceMethod{Method::gauss_seidel, {}}; };
+  EXPECT_FALSE(solve_on_device(device(), two_rooms(), lit(0.0), {10, 0.0}, options));
+}
+
 // Rooms that claim to keep more light than they do overshoot at every correction.
 TEST_F(TwoLevel, CorrectionsThatDoNotHelpGiveWayToBounces) {
   const Model model = two_rooms();
   const Lighting lighting = lit(0.1);
   DeviceSolveOptions options;
-  options.find_rooms = [&](double) {
+  options.choose_method = [&](double) {
     RoomWeights weights = weights_of_two(model);
     for (double& weight : weights.weights) weight *= 1.11;
-    return std::optional(weights);
+    return DeviceMethod{Method::two_level, weights};
   };
   const auto out = solve_on_device(device(), model, lighting, {2000, 1e-6}, options);
   ASSERT_TRUE(out) << out.error().message;

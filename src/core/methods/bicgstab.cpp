@@ -59,11 +59,16 @@ Result<Solution> solve_by_bicgstab(const BounceProblem& problem, const StopRule&
 
 Result<Solution> solve_by_bicgstab_over_rooms(const BounceProblem& problem, const Rooms& rooms,
                                               const StopRule& rule, const BounceObserver& observer) {
+  return solve_by_bicgstab_over_rooms(problem, room_weights(*problem.matrix, problem.areas, rooms), rule,
+                                      observer);
+}
+
+Result<Solution> solve_by_bicgstab_over_rooms(const BounceProblem& problem, const RoomWeights& weights,
+                                              const StopRule& rule, const BounceObserver& observer) {
   CertifiedSolve solve(problem, rule, observer);
-  const RoomWeights weights = room_weights(*problem.matrix, problem.areas, rooms);
   const RoomSolver solver(weights, problem.albedo);
   const auto correct = [&](std::vector<Rgb> r) {
-    add_correction(rooms, problem.albedo, solver.irradiance(r), r);
+    add_correction(weights.rooms, problem.albedo, solver.irradiance(r), r);
     return r;
   };
   return restart_while_it_helps(solve, "BiCGSTAB over rooms",

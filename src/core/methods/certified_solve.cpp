@@ -30,16 +30,33 @@ void CertifiedSolve::count_product() {
 }
 
 std::vector<Rgb> CertifiedSolve::irradiance(const std::vector<Rgb>& x) {
-  std::vector<Rgb> result = cluster_product(*problem_.matrix, x);
+  std::vector<Rgb> result = product(x);
   count_product();
   return result;
 }
 
+std::vector<Rgb> CertifiedSolve::product(const std::vector<Rgb>& x) const {
+  return problem_.product ? problem_.product(x) : cluster_product(*problem_.matrix, x);
+}
+
+Change CertifiedSolve::change_of(const std::vector<Rgb>& before, const std::vector<Rgb>& after) const {
+  if (!problem_.product) return measure_change(*problem_.matrix, problem_.contraction, before, after);
+  return measure_change(problem_.contraction, problem_.product_rounding, before, after);
+}
+
+bool CertifiedSolve::within_rounding() const {
+  if (!problem_.product) return false;
+  for (int channel = 0; channel < 3; ++channel) {
+    if (best_change_.weighted[channel] > best_change_.rounding[channel]) return false;
+  }
+  return true;
+}
+
 std::vector<Rgb> CertifiedSolve::bounce(const std::vector<Rgb>& x) {
-  std::vector<Rgb> bounced = cluster_product(*problem_.matrix, x);
+  std::vector<Rgb> bounced = product(x);
   for (std::size_t i = 0; i < bounced.size(); ++i)
     bounced[i] = problem_.source[i] + problem_.albedo[i] * bounced[i];
-  last_change_ = measure_change(*problem_.matrix, problem_.contraction, x, bounced);
+  last_change_ = change_of(x, bounced);
   keep_better(bounced);
   count_product();
   return bounced;
@@ -55,12 +72,14 @@ void CertifiedSolve::keep_better(const std::vector<Rgb>& bounced) {
     for (std::size_t i = 0; i < bounced.size(); ++i)
       solution_.radiosity[i][channel] = std::max(bounced[i][channel], 0.0);
   }
-  rate_solution(best_change_, problem_.contraction.quotient, problem_.contraction.quotient, solution_);
+  Change rated = best_change_;
+  if (problem_.product) rated.rounding = Rgb(0.0);
+  rate_solution(rated, problem_.contraction.quotient, problem_.contraction.quotient, solution_);
 }
 
 bool CertifiedSolve::done() const {
   const bool reached = rule_.tolerance > 0.0 && solution_.error_bound <= rule_.tolerance;
-  return cancelled_ || reached || solution_.bounces >= rule_.max_bounces;
+  return cancelled_ || reached || within_rounding() || solution_.bounces >= rule_.max_bounces;
 }
 
 std::uint32_t CertifiedSolve::products_left() const {

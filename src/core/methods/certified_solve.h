@@ -31,7 +31,8 @@ class CertifiedSolve {
   /// Something as dear as a product was done without one.
   void count_product();
 
-  /// The bound is within the tolerance, no product is left, or the observer said stop.
+  /// The bound is within the tolerance, no product is left, or the observer said stop. Of a product by other
+  /// hands also: the change is within what it rounds, which the bound then leaves out.
   bool done() const;
 
   /// The tolerance is reached when the change of a bounce is as small as `change` everywhere, in the weights
@@ -59,6 +60,9 @@ class CertifiedSolve {
   Result<Solution> fall_back(std::string why) &&;
 
  private:
+  std::vector<Rgb> product(const std::vector<Rgb>& x) const;
+  Change change_of(const std::vector<Rgb>& before, const std::vector<Rgb>& after) const;
+  bool within_rounding() const;
   void keep_better(const std::vector<Rgb>& bounced);
 
   const BounceProblem& problem_;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/methods/bounce_problem.h"
+#include "core/methods/room_correction.h"
 #include "core/rooms.h"
 
 namespace relume {
@@ -85,6 +86,10 @@ Result<Solution> solve_by_two_levels(const BounceProblem& problem, const Rooms& 
 /// BiCGSTAB on the problem as the second level leaves it: the same correction, as a preconditioner. For
 /// scenes with cavities that no room stands for.
 Result<Solution> solve_by_bicgstab_over_rooms(const BounceProblem& problem, const Rooms& rooms,
+                                              const StopRule& rule, const BounceObserver& observer = {});
+
+/// The same with weights that were found before.
+Result<Solution> solve_by_bicgstab_over_rooms(const BounceProblem& problem, const RoomWeights& weights,
                                               const StopRule& rule, const BounceObserver& observer = {});
 
 /// Every way to solve, by name. `ambient`: with an ambient start; `shooting`: Southwell.
