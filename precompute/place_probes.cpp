@@ -23,7 +23,8 @@ constexpr double kRootsAcross = 0.5, kRootsAlong = 16.0;
 /// Cells that are halved at once add up to so much of what is to be saved.
 constexpr double kStep = 0.3;
 
-/// Of all leaves.
+/// Of all leaves that can be halved: what others lose, close to a lamp or in a narrow gap, more probes
+/// elsewhere do not save.
 struct Balance {
   double loss = 0.0, free = 0.0;
 };
@@ -31,7 +32,7 @@ struct Balance {
 Balance balance_of(const ProbeTree& tree) {
   Balance sum;
   for (const OpenCell& cell : tree.cells()) {
-    if (cell.first_child == 0) sum.loss += cell.loss, sum.free += cell.free;
+    if (cell.first_child == 0 && cell.edge >= 2) sum.loss += cell.loss, sum.free += cell.free;
   }
   return sum;
 }

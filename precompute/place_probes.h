@@ -26,7 +26,7 @@ Result<PlacedProbes> place_probe_grid(const Geometry& geometry, const RayCaster&
 /// this takes, until it is at most `error`: of irradiance, relative to what it is there (or to a tenth of its
 /// root mean square in the room), root mean square over free space inside the box of the geometry and over
 /// the probing emissions. Free space that no probe sees is off by all of its light. Cells are halved
-/// three times at most. Cancelled when the observer says so.
+/// three times at most; what is off in the smallest ones is not counted. Cancelled when the observer says so.
 Result<PlacedProbes> place_probes(const RowScene& scene, const Probing& probing, double error,
                                   RowCounts& counts, const ProgressObserver& observer);
 
