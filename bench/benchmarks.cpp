@@ -29,6 +29,7 @@ constexpr std::array<Benchmark, 8> kBenchmarks{{
     {"solve", "form factors a second of the reference product and of each device kernel", solve},
     {"levels", "products of the methods that a device does, with albedos raised", levels},
     {"frame", "milliseconds of the stages of a frame, of what changes in it, and to the first one", frame},
+    {"probes", "light between probes that are placed automatically, and between those of grids", probes},
     {"tracking", "how far frames of one and two bounces are behind a lamp on a circle", tracking},
 }};
 

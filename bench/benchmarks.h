@@ -57,6 +57,10 @@ Measurements frame(const BenchmarkOptions& options);
 /// How far frames are behind a lamp that moves, against the converged answer of each frame.
 Measurements tracking(const BenchmarkOptions& options);
 
+/// Errors of the light between light probes, placed automatically and on grids, for lights that the placement
+/// has not seen, against probes at the points themselves; and how many probes a grid needs to be as good.
+Measurements probes(const BenchmarkOptions& options);
+
 /// The scene of `options`, and its precompute options.
 Result<Scene> benchmark_scene(const BenchmarkOptions& options);
 PrecomputeOptions precompute_options(const BenchmarkOptions& options, const Scene& scene);

@@ -71,6 +71,19 @@ void store_lumels(const ModelParts& parts, std::size_t s, const std::vector<std:
   }
 }
 
+/// What is known of how exact the rows are.
+void store_estimates(const ModelParts& parts, std::size_t s, System& system) {
+  const ClusteredSurface& surface = parts.surfaces[s];
+  system.rays.resize(surface.cluster_count);
+  for (std::size_t e = 0; e < surface.cluster.size(); ++e) {
+    const RowRays& rays = parts.rows[s].element_rays[e];
+    system.rays[surface.cluster[e]] = {rays.count, rays.noise};
+  }
+  if (parts.tiles.empty()) return;
+  for (const CutTile& tile : parts.tiles[s].lumels)
+    system.cut_errors.insert(system.cut_errors.end(), tile.error.begin(), tile.error.end());
+}
+
 bool has_lightmap(const SceneNode& node) {
   return node.extras.receiver.value_or("lightmap") == "lightmap";
 }
@@ -199,6 +212,7 @@ Result<Model> assemble_model(const ModelParts& parts, ValueCodec codec, double m
     store_clusters(parts, parts.surfaces[s], order, system);
     store_lumels(parts, s, order, system, report);
     store_charts(parts, parts.layouts[s], system);
+    store_estimates(parts, s, system);
     model.systems.push_back(std::move(system));
   }
   if (auto stored = store_matrices(parts, codec, model, report); !stored)

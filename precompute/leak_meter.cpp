@@ -187,7 +187,8 @@ Result<LeakReport> measure_leaks(const Model& model, const LeakOptions& options)
         RayCaster::create(model.occluders.positions, model.occluders.triangles, model.occluders.opacity);
     if (!caster) return tl::unexpected(caster.error());
     std::vector<RowLeak> lumels = thinned(lumel_rows(model), options.rows);
-    std::vector<RowLeak> clusters = thinned(cluster_rows(model), options.rows);
+    std::vector<RowLeak> clusters;
+    if (options.clusters) clusters = thinned(cluster_rows(model), options.rows);
     tbb::task_arena arena(arena_threads(options.threads));
     arena.execute([&] {
       const Surroundings around(model, *caster);

@@ -34,6 +34,7 @@ inline constexpr std::uint32_t kLeakViews = 32;
 struct LeakOptions {
   std::uint32_t rows = 1024;  ///< lumels, and as many clusters, evenly by their numbers; at least 1
   std::uint32_t threads = 0;  ///< 0 = all
+  bool clusters = true;       ///< false: lumels alone
 };
 
 enum class LeakReceiver : std::uint32_t { lumel, cluster };

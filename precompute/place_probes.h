@@ -22,10 +22,11 @@ struct PlacedProbes {
 /// inside geometry: one on or just in a surface is moved off it. Refused (usage) beyond a million.
 Result<PlacedProbes> place_probe_grid(const Geometry& geometry, const RayCaster& caster, double spacing);
 
-/// An octree: cells are halved while the irradiance between their probes is off by more than `error`,
-/// relative to what it is there and root mean square over the probing emissions, and more than that the
-/// smaller they are; and while a place in free space has no probe that sees it. Cancelled when the observer
-/// says so.
+/// An octree: of its cells, those are halved that add most to the error between probes for each probe that
+/// this takes, until it is at most `error`: of irradiance, relative to what it is there (or to a tenth of its
+/// root mean square in the room), root mean square over free space inside the box of the geometry and over
+/// the probing emissions. Free space that no probe sees is off by all of its light. Cells are halved
+/// three times at most; what is off in the smallest ones is not counted. Cancelled when the observer says so.
 Result<PlacedProbes> place_probes(const RowScene& scene, const Probing& probing, double error,
                                   RowCounts& counts, const ProgressObserver& observer);
 

@@ -87,34 +87,81 @@ std::vector<std::uint32_t> grow(const Geometry& geometry, std::uint32_t first, s
   return members;
 }
 
-/// Direction of the longest edge of the chart, flattened along its normal: charts of walls then lie along the
-/// lightmap's axes.
-glm::dvec3 longest_edge(const Geometry& geometry, const std::vector<std::uint32_t>& members,
-                        const glm::dvec3& normal) {
-  glm::dvec3 best(0.0);
+double cross(const glm::dvec2& a, const glm::dvec2& b) {
+  return a.x * b.y - a.y * b.x;
+}
+
+/// Corners of the convex hull, counter-clockwise (A. M. Andrew, Another Efficient Algorithm for Convex Hulls
+/// in Two Dimensions, 1979).
+std::vector<glm::dvec2> convex_hull(std::vector<glm::dvec2> points) {
+  const auto before = [](const glm::dvec2& a, const glm::dvec2& b) {
+    return a.x != b.x ? a.x < b.x : a.y < b.y;
+  };
+  std::sort(points.begin(), points.end(), before);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  std::vector<glm::dvec2> hull;
+  const auto add = [&hull](const glm::dvec2& point, std::size_t least) {
+    while (hull.size() > least && cross(hull.back() - hull[hull.size() - 2], point - hull.back()) <= 0.0)
+      hull.pop_back();
+    hull.push_back(point);
+  };
+  for (const glm::dvec2& point : points) add(point, 1);
+  const std::size_t lower = hull.size();
+  for (auto point = points.rbegin() + 1; point < points.rend(); ++point) add(*point, lower);
+  if (hull.size() > 1) hull.pop_back();
+  return hull;
+}
+
+/// The direction in which the smallest rectangle around the points lies, so that charts of walls lie along
+/// the lightmap's axes, doors and windows or not. One of its sides is an edge of the convex hull; of
+/// rectangles as small as each other, that of the longest edge.
+glm::dvec2 direction_of_smallest_rectangle(const std::vector<glm::dvec2>& points) {
+  constexpr double kEqual = 1e-4;
+  const std::vector<glm::dvec2> hull = convex_hull(points);
+  glm::dvec2 best(1.0, 0.0);
+  double least = std::numeric_limits<double>::max(), longest = 0.0;
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const glm::dvec2 edge = hull[(i + 1) % hull.size()] - hull[i];
+    const double length = glm::length(edge);
+    if (!(length > 0.0)) continue;
+    const glm::dvec2 along = edge / length;
+    glm::dvec2 lower(std::numeric_limits<double>::max()), upper(std::numeric_limits<double>::lowest());
+    for (const glm::dvec2& corner : hull) {
+      const glm::dvec2 turned(glm::dot(corner, along), cross(along, corner));
+      lower = glm::min(lower, turned), upper = glm::max(upper, turned);
+    }
+    const double area = (upper.x - lower.x) * (upper.y - lower.y);
+    const bool smaller = area < least * (1.0 - kEqual);
+    const bool as_small = area <= least * (1.0 + kEqual) && length > longest * (1.0 + kEqual);
+    if (!smaller && !as_small) continue;
+    best = along, least = area, longest = length;
+  }
+  return best;
+}
+
+/// Direction of the chart in the plane of its normal.
+glm::dvec3 chart_tangent(const Geometry& geometry, const std::vector<std::uint32_t>& members,
+                         const glm::dvec3& normal) {
+  const Frame frame = frame_about(glm::vec3(normal));
+  const glm::dvec3 x(frame.tangent), y = glm::cross(normal, x),
+                                     origin(geometry.point(members[0], 0.0f, 0.0f));
+  std::vector<glm::dvec2> points;
   for (const auto t : members) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      glm::dvec3 edge = glm::dvec3(geometry.positions[geometry.triangles[t][(k + 1) % 3]]) -
-                        glm::dvec3(geometry.positions[geometry.triangles[t][k]]);
-      edge -= normal * glm::dot(edge, normal);
-      // The diagonal of a quad is longer than its sides; a right angle at the far corner gives it away.
-      const glm::dvec3 other = glm::dvec3(geometry.positions[geometry.triangles[t][(k + 2) % 3]]) -
-                               glm::dvec3(geometry.positions[geometry.triangles[t][k]]);
-      const glm::dvec3 from_end = other - edge;
-      const bool hypotenuse =
-          std::abs(glm::dot(other, from_end)) < 1e-3 * glm::length(other) * glm::length(from_end);
-      if (!hypotenuse && glm::dot(edge, edge) > glm::dot(best, best) * 1.0001) best = edge;
+    for (const auto corner : geometry.triangles[t]) {
+      const glm::dvec3 p = glm::dvec3(geometry.positions[corner]) - origin;
+      points.emplace_back(glm::dot(p, x), glm::dot(p, y));
     }
   }
-  if (glm::dot(best, best) > 0.0) return glm::normalize(best);
-  return glm::dvec3(frame_about(glm::vec3(normal)).tangent);
+  const glm::dvec2 along = direction_of_smallest_rectangle(points);
+  const glm::dvec3 tangent = along.x * x + along.y * y;
+  return glm::normalize(tangent - normal * glm::dot(tangent, normal));
 }
 
 Chart flatten(const Geometry& geometry, std::vector<std::uint32_t> members, double texel_size) {
   glm::dvec3 normal(0.0);
   for (const auto t : members) normal += glm::dvec3(geometry.normals[t]) * double(geometry.areas[t]);
   normal = glm::length(normal) > 0.0 ? glm::normalize(normal) : glm::dvec3(geometry.normals[members[0]]);
-  const glm::dvec3 tangent = longest_edge(geometry, members, normal);
+  const glm::dvec3 tangent = chart_tangent(geometry, members, normal);
   const glm::dvec3 bitangent = glm::cross(normal, tangent);
   Chart chart;
   chart.node = geometry.node[members[0]];

@@ -16,6 +16,8 @@ namespace {
 /// Samples along each axis: near both ends, where walls may lie, and between.
 constexpr std::array<float, 5> kSamplesAlong{0.01f, 0.25f, 0.5f, 0.75f, 0.99f};
 constexpr std::size_t kSamples = kSamplesAlong.size() * kSamplesAlong.size() * kSamplesAlong.size();
+/// Of the edge that each of them stands for.
+constexpr std::array<double, 5> kSharesAlong{0.125, 0.25, 0.25, 0.25, 0.125};
 /// Rays end so much before a sample, so that those on a surface are seen.
 constexpr float kShort = 0.999f;
 /// Planes nearer than this to each other, in edges of the cell, are one.
@@ -24,6 +26,13 @@ constexpr float kSamePlane = 1e-3f;
 constexpr double kLoss = 0.5;
 
 using SampleSet = std::bitset<kSamples>;
+
+/// Of the volume of the cell.
+double sample_share(std::size_t sample) {
+  constexpr std::size_t kAlong = kSamplesAlong.size();
+  return kSharesAlong[sample % kAlong] * kSharesAlong[sample / kAlong % kAlong] *
+         kSharesAlong[sample / (kAlong * kAlong)];
+}
 
 class CellCutter {
  public:
@@ -171,11 +180,15 @@ CutCell cut_cell(const Geometry& geometry, const RayCaster& caster,
     result.cell.probes[c] = probes[c];
     all |= covered;
   }
-  result.in_use = all.any();
   result.planes = cutter.planes();
   result.cell.plane_count = std::uint32_t(result.planes.size());
   for (std::size_t s = 0; s < kSamples; ++s) {
-    if (!all[s] && in_free_space(geometry, caster, cutter.samples()[s], 0.0f)) ++result.uncovered;
+    if (!inside_box(geometry, cutter.samples()[s])) continue;
+    if (all[s]) {
+      result.covered += sample_share(s);
+    } else if (in_free_space(geometry, caster, cutter.samples()[s], 0.0f)) {
+      result.uncovered += sample_share(s);
+    }
   }
   return result;
 }

@@ -18,8 +18,8 @@ namespace relume {
 struct CutCell {
   ProbeCell cell;  ///< first_plane is 0
   std::vector<glm::vec4> planes;
-  std::uint32_t uncovered = 0;  ///< samples in free space that no probe speaks for
-  bool in_use = false;          ///< some probe speaks for something
+  /// Shares of its volume: where some probe speaks, and free space where none does.
+  double covered = 0.0, uncovered = 0.0;
 };
 
 /// The cell from `lower` on. Samples of it are looked at from each probe; those that are hidden are cut off

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <glm/vector_relational.hpp>
 #include <map>
 #include <span>
 #include <vector>
@@ -22,6 +23,12 @@ using LatticePoint = std::array<std::int32_t, 3>;
 /// `clearance` (m).
 bool in_free_space(const Geometry& geometry, const RayCaster& caster, const glm::vec3& point,
                    float clearance);
+
+/// Whether a point lies in the box of the geometry, beyond which nobody asks for light.
+inline bool inside_box(const Geometry& geometry, const glm::vec3& point) {
+  return glm::all(glm::lessThanEqual(geometry.lower, point)) &&
+         glm::all(glm::lessThanEqual(point, geometry.upper));
+}
 
 class ProbeLattice {
  public:

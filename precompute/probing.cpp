@@ -173,7 +173,7 @@ void Prober::light_room(std::uint32_t index, std::size_t probing) {
     for (const auto c : room.clusters) emitted_[c][probing] = strength * dice.next();
   } else if (kind < 0.2f && rooms_.size() > 1) {
     return;  // dark, but for what comes from its neighbours
-  } else if (probing % 8 == 1 && emitters_of_room(index, strength, probing)) {
+  } else if (by_emitters(probing) && emitters_of_room(index, strength, probing)) {
     return;
   } else if (kind > 0.9f) {
     glowing_patch(room, dice, probing);

@@ -22,6 +22,11 @@ struct SurveyRows;
 inline constexpr std::size_t kProbings = 16;
 using ProbingValues = std::array<float, kProbings>;
 
+/// Whether rooms that have possible emitters are lit by these.
+constexpr bool by_emitters(std::size_t probing) {
+  return probing % 8 == 1;
+}
+
 /// Where the surface of a node lies.
 struct NodeSurface {
   float area = 0.0f;       ///< m2

@@ -204,6 +204,25 @@ Result<void> check_light_samples(const SystemPlace& at) {
   return {};
 }
 
+/// Numbers that only tell how rows came to be.
+Result<void> check_estimates(const SystemPlace& at) {
+  const System& system = at.system;
+  const auto estimate = [](float value) { return std::isfinite(value) && value >= 0.0f; };
+  if (!system.rays.empty() && system.rays.size() != system.clusters.size()) {
+    return broken_model("system {}: expected rays of all {} clusters or of none, found {}", at.index,
+                        system.clusters.size(), system.rays.size());
+  }
+  if (!system.cut_errors.empty() && system.cut_errors.size() != system.lumels.size()) {
+    return broken_model("system {}: expected errors of all {} lumels or of none, found {}", at.index,
+                        system.lumels.size(), system.cut_errors.size());
+  }
+  const bool valid = std::all_of(system.rays.begin(), system.rays.end(),
+                                 [&](const ClusterRays& r) { return estimate(r.noise); }) &&
+                     std::all_of(system.cut_errors.begin(), system.cut_errors.end(), estimate);
+  if (valid) return {};
+  return broken_model("system {}: expected finite estimates of noise and error, not below 0", at.index);
+}
+
 Result<void> check_sensors_and_charts(const SystemPlace& at) {
   for (std::size_t index = 0; index < at.system.sensors.size(); ++index) {
     const Sensor& sensor = at.system.sensors[index];
@@ -316,6 +335,7 @@ Result<void> check_system(const Model& model, std::size_t index) {
   if (auto checked = check_clusters(at); !checked) return checked;
   if (auto checked = check_elements(at); !checked) return checked;
   if (auto checked = check_lumels(at); !checked) return checked;
+  if (auto checked = check_estimates(at); !checked) return checked;
   if (auto checked = check_sensors_and_charts(at); !checked) return checked;
   if (auto checked = check_light_samples(at); !checked) return checked;
   if (auto checked =

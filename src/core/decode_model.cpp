@@ -267,6 +267,8 @@ std::optional<Result<void>> read_system_section(const Section& section, System& 
   if (id == kTree) return read_array(section, system.tree.nodes);
   if (id == kTreeShares) return read_array(section, system.tree.shares);
   if (id == kImports) return read_array(section, system.imports);
+  if (id == kClusterRays) return read_array(section, system.rays);
+  if (id == kCutErrors) return read_array(section, system.cut_errors);
   if (id == kBounceBlock) return read_block(section, system.bounce);
   if (id == kGatherBlock) return read_block(section, system.gather);
   if (id == kGatherDirections) return read_directions(section, system.gather);

@@ -157,6 +157,8 @@ void add_system(const System& system, std::uint32_t index, SectionWriter& file) 
   file.add_array(kTree, index, system.tree.nodes);
   file.add_array(kTreeShares, index, system.tree.shares);
   file.add_array(kImports, index, system.imports);
+  file.add(kClusterRays, index, std::as_bytes(std::span(system.rays)), kSectionOptional);
+  file.add(kCutErrors, index, std::as_bytes(std::span(system.cut_errors)), kSectionOptional);
   add_matrix(system.bounce, kBounceBlock, index, file);
   add_matrix(system.gather, kGatherBlock, index, file);
   for (const MatrixBlock& block : system.gather.blocks)

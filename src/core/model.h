@@ -174,6 +174,15 @@ struct SpannedPart {
 };
 static_assert(sizeof(SpannedPart) == 12);
 
+/// How the rows of a cluster and its lumels came to be. Stored.
+struct ClusterRays {
+  std::uint32_t count = 0;  ///< of each lumel
+  float noise = 0.0f;       ///< estimate: of a lumel's irradiance, relative to its room's root mean square,
+                            ///< whatever the lights; 0 where nobody asked
+  friend bool operator==(const ClusterRays&, const ClusterRays&) = default;
+};
+static_assert(sizeof(ClusterRays) == 8);
+
 /// A group of geometry that is precomputed, stored, loaded and updated as one.
 struct System {
   std::string name;
@@ -196,8 +205,12 @@ struct System {
   ClusterTreeNodes
       tree;  ///< over `clusters`: the nodes that some system imports, or a node above the systems spans
   std::vector<SenderRef> imports;  ///< what the columns of both matrices, and of probes, mean
-  BlockMatrix bounce;              ///< K: clusters x imports
-  BlockMatrix gather;              ///< G: (lumels, sensors) x imports
+  std::vector<ClusterRays> rays;   ///< per cluster; empty: not told
+  /// Per lumel: estimate of what the nodes that its row keeps hide, relative to its room's root mean square
+  /// irradiance; empty: rows are full, or it is not told.
+  std::vector<float> cut_errors;
+  BlockMatrix bounce;  ///< K: clusters x imports
+  BlockMatrix gather;  ///< G: (lumels, sensors) x imports
 };
 
 /// Material of the scene as far as a solve needs it.

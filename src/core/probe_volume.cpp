@@ -53,6 +53,23 @@ void append(const std::vector<Element>& elements, std::vector<std::uint32_t>& wo
 
 }  // namespace
 
+std::array<float, 8> corner_weights(const ProbeCell& cell, std::span<const glm::vec4> planes, float edge,
+                                    const glm::vec3& point, const glm::vec3& within) {
+  std::array<float, 8> weights{};
+  for (std::uint32_t c = 0; c < 8; ++c) {
+    if (cell.probes[c] != kNoProbe) weights[c] = corner_weight(within, c);
+  }
+  for (std::uint32_t p = 0; p < planes.size(); ++p) {
+    const float distance = glm::dot(glm::vec3(planes[p]), point) + planes[p].w;
+    const float share = distance / (kProbeFade * edge);
+    for (std::uint32_t c = 0; c < 8; ++c) {
+      if ((cell.sides[c] >> p & 1u) != 0) weights[c] *= std::clamp(share, 0.0f, 1.0f);
+      if ((cell.sides[c] >> (8 + p) & 1u) != 0) weights[c] *= std::clamp(-share, 0.0f, 1.0f);
+    }
+  }
+  return weights;
+}
+
 WeightedProbes probes_at(const ProbeVolume& volume, const glm::vec3& point) {
   WeightedProbes result;
   result.probes.fill(kNoProbe);
@@ -60,19 +77,9 @@ WeightedProbes probes_at(const ProbeVolume& volume, const glm::vec3& point) {
   const CellPoint at = find_cell(volume, point);
   if (at.node == kNoProbe) return result;
   const ProbeCell& cell = volume.cells[at.node & ~kProbeCellBit];
-  for (std::uint32_t c = 0; c < 8; ++c) {
-    result.probes[c] = cell.probes[c];
-    if (cell.probes[c] != kNoProbe) result.weights[c] = corner_weight(at.within, c);
-  }
-  for (std::uint32_t p = 0; p < cell.plane_count; ++p) {
-    const glm::vec4& plane = volume.planes[cell.first_plane + p];
-    const float distance = glm::dot(glm::vec3(plane), point) + plane.w;
-    const float share = distance / (kProbeFade * at.edge);
-    for (std::uint32_t c = 0; c < 8; ++c) {
-      if ((cell.sides[c] >> p & 1u) != 0) result.weights[c] *= std::clamp(share, 0.0f, 1.0f);
-      if ((cell.sides[c] >> (8 + p) & 1u) != 0) result.weights[c] *= std::clamp(-share, 0.0f, 1.0f);
-    }
-  }
+  result.probes = cell.probes;
+  const auto planes = std::span(volume.planes).subspan(cell.first_plane, cell.plane_count);
+  result.weights = corner_weights(cell, planes, at.edge, point, at.within);
   float sum = 0.0f;
   for (const float weight : result.weights) sum += weight;
   for (float& weight : result.weights) weight = sum > 0.0f ? weight / sum : 0.0f;

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <span>
 #include <vector>
 
 namespace relume {
@@ -50,6 +51,11 @@ inline constexpr float kProbeFade = 0.25f;
 /// What a corner is worth at least before planes, so that those opposite help where the near ones see
 /// nothing.
 inline constexpr float kLeastCornerWeight = 1e-3f;
+
+/// What each corner of a cell counts for at a point; `within`: where it lies in the cell, 0 to 1; `edge`: m.
+/// They need not add up to 1. `planes`: those of the cell.
+std::array<float, 8> corner_weights(const ProbeCell& cell, std::span<const glm::vec4> planes, float edge,
+                                    const glm::vec3& point, const glm::vec3& within);
 
 struct WeightedProbes {
   std::array<std::uint32_t, 8> probes{};  ///< Probe::name; kNoProbe has no weight

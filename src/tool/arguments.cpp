@@ -349,6 +349,7 @@ class Parser {
     command
         .add_option_function<std::string>("--at", take_place, "The receiver that --debug form_factors draws")
         ->type_name("X,Y,Z");
+    command.footer(debug_view_help() + "\n\n" + kExitStatuses);
   }
 
   void add_chart() {

@@ -2,6 +2,7 @@
 #include "tool/row_views.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 
@@ -9,12 +10,6 @@
 
 namespace relume {
 namespace {
-
-void divide_by_largest(std::vector<double>& values) {
-  const double most = values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
-  if (most <= 0.0) return;
-  for (double& value : values) value /= most;
-}
 
 std::size_t leaf_count(const SenderLeaves& leaves) {
   std::size_t count = 0;
@@ -42,12 +37,40 @@ std::vector<double> shares_of_nodes(const Model& model, std::size_t s) {
   return shares;
 }
 
-std::vector<double> relative_row_lengths(const Model& model, std::size_t s) {
+std::vector<double> tree_levels(const Model& model, std::size_t s) {
+  const LeafNumbers numbers(model);
+  const System& system = model.systems[s];
+  std::vector<double> level;
+  for (const SenderRef& sender : system.imports)
+    level.push_back(std::log2(double(std::max<std::size_t>(1, leaf_count(numbers.leaves_of(sender))))));
+  const CsrMatrix rows = decode(system.gather);
+  std::vector<double> levels(rows.rows, 0.0);
+  for (std::uint32_t row = 0; row < rows.rows; ++row) {
+    double all = 0.0, sum = 0.0;
+    for (std::uint64_t e = rows.row_offsets[row]; e < rows.row_offsets[row + 1]; ++e) {
+      all += rows.values[e];
+      sum += rows.values[e] * level[rows.column_indices[e]];
+    }
+    if (all > 0.0) levels[row] = sum / all;
+  }
+  return levels;
+}
+
+std::vector<double> row_sums(const Model& model, std::size_t s) {
+  const CsrMatrix rows = decode(model.systems[s].gather);
+  std::vector<double> sums(rows.rows, 0.0);
+  for (std::uint32_t row = 0; row < rows.rows; ++row) {
+    for (std::uint64_t e = rows.row_offsets[row]; e < rows.row_offsets[row + 1]; ++e)
+      sums[row] += rows.values[e];
+  }
+  return sums;
+}
+
+std::vector<double> row_lengths(const Model& model, std::size_t s) {
   const CsrMatrix rows = decode(model.systems[s].gather);
   std::vector<double> lengths;
   for (std::uint32_t row = 0; row < rows.rows; ++row)
     lengths.push_back(double(rows.row_offsets[row + 1] - rows.row_offsets[row]));
-  divide_by_largest(lengths);
   return lengths;
 }
 
@@ -83,7 +106,6 @@ std::vector<double> form_factor_densities(const Model& model, const ChosenLumel&
   for (const System& part : model.systems) {
     for (const Cluster& c : part.clusters) densities[cluster++] /= double(c.area);
   }
-  divide_by_largest(densities);
   return densities;
 }
 

@@ -182,6 +182,13 @@ TEST(CheckModel, RefusesABrokenTreeOfOccluders) {
 
 TEST(CheckModel, RefusesBrokenLightSamples) {
   expect_refused({
+      {[](Model& m) { m.systems[0].rays.resize(2); }, "rays of all 1 clusters or of none, found 2"},
+      {[](Model& m) {
+         m.systems[0].rays = {{64, kNotANumber}};
+       },
+       "finite estimates"},
+      {[](Model& m) { m.systems[0].cut_errors.resize(2); }, "errors of all 1 lumels or of none, found 2"},
+      {[](Model& m) { m.systems[0].cut_errors = {-0.5f}; }, "finite estimates"},
       {[](Model& m) { m.systems[0].lifted_sensors.clear(); },
        "system 0: expected 1 finite points where sensors measure, found 0"},
       {[](Model& m) { m.systems[0].lifted_sensors[0].x = kNotANumber; }, "finite points"},

@@ -196,6 +196,44 @@ TEST(ModelFile, SizesAreCheckedBeforeAnythingIsAllocated) {
   EXPECT_NE(with("MATL", 4, 0xffffffffu).find("expected more bytes"), std::string::npos);
 }
 
+/// What a reader says of the tiny model's file with another `value` at byte `offset` of header or table,
+/// under the checksum that it asks for.
+template <class T>
+std::string message_of_table(std::size_t offset, T value) {
+  std::vector<std::byte> bytes = encode_model(test::tiny_model());
+  patch(bytes, offset, value);
+  const std::string asked = message_of(decode_model(bytes, "tiny"));
+  const std::size_t found = asked.rfind("found ");
+  if (asked.find("byte 24: expected checksum") == std::string::npos) return asked;
+  patch(bytes, 24, std::uint64_t{std::stoull(asked.substr(found + 6), nullptr, 16)});
+  return message_of(decode_model(bytes, "tiny"));
+}
+
+TEST(ModelFile, ATableThatLiesIsRefusedUnderTheRightChecksum) {
+  // The second section: flags at byte 8 of its 40, zero at 12, place at 16, length at 24.
+  const std::size_t second = 32 + 40;
+  const auto expect = [](const std::string& message, const std::string& part) {
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  expect(message_of_table(12, 0xffffffffu), "byte 12: expected room for 4294967295 sections");
+  expect(message_of_table(16, std::uint64_t{1} << 40), "byte 16: expected 1099511627776 bytes");
+  expect(message_of_table(second + 8, 2u), "expected known flags, found 0x2");
+  expect(message_of_table(second + 12, 1u), "expected known flags");
+  expect(message_of_table(second + 16, std::uint64_t{1} << 40), "expected it at byte ");
+  expect(message_of_table(second + 24, std::uint64_t{0}), "found 0");
+  expect(message_of_table(second + 24, std::uint64_t{1} << 40), "found 1099511627776");
+  expect(message_of_table(second, std::uint32_t{0x01010101u}), std::string(4, '?'));
+}
+
+TEST(ModelFile, AFileThatIsShorterThanItSaysIsRefused) {
+  // Files of this kind tell the size of a page, whatever they hold.
+  const std::filesystem::path file = "/sys/kernel/mm/transparent_hugepage/enabled";
+  std::error_code ignored;
+  if (std::filesystem::file_size(file, ignored) != 4096 || ignored) GTEST_SKIP() << "no such file here";
+  const std::string message = message_of(read_model(file));
+  EXPECT_NE(message.find("expected 4096 bytes, found "), std::string::npos) << message;
+}
+
 TEST(ModelFile, SectionsOfOddLengthAreRefused) {
   const std::string message = message_of(rewritten(
       [](SectionWriter& file, const std::string& id, std::uint32_t owner, std::vector<std::byte>& content) {

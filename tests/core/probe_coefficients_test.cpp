@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
 
 #include "core/model_file.h"
 #include "core/quantities.h"
@@ -99,15 +100,28 @@ TEST(ProbeCoefficients, SurviveTheFileAndAreChecked) {
   EXPECT_EQ(read->systems[0].probes.at(0).flags, kProbeInvalid);
   EXPECT_EQ(read->systems[0].probe_senders.at(1).solid_angle, 3.0f);
 
-  Model broken = model;
-  broken.systems[0].probe_senders[1].column = 2;
-  EXPECT_FALSE(check_model(broken));
-  broken = model;
-  broken.systems[0].probe_senders[1].solid_angle = 11.0f;
-  EXPECT_FALSE(check_model(broken));
-  broken = model;
-  broken.systems[0].probes[0].sender_count = 1;
-  EXPECT_FALSE(check_model(broken));
+  const auto expect_refused = [&](auto breaks, const std::string& part) {
+    Model broken = model;
+    breaks(broken.systems[0]);
+    const auto checked = check_model(broken);
+    ASSERT_FALSE(checked) << part;
+    EXPECT_NE(checked.error().message.find(part), std::string::npos) << checked.error().message;
+  };
+  expect_refused([](System& s) { s.probe_senders[1].column = 2; },
+                 "expected ascending columns below 2, found 2");
+  expect_refused([](System& s) { std::swap(s.probe_senders[0], s.probe_senders[1]); }, "found 0 after 1");
+  expect_refused([](System& s) { s.probe_senders[0].solid_angle = 0.0f; }, "solid angles above 0");
+  expect_refused([](System& s) { s.probe_senders[0].direction.x = 1.0f; },
+                 "mean directions of length 1 at most");
+  expect_refused([](System& s) { s.probe_senders[1].solid_angle = 11.0f; },
+                 "add up to 4 pi at most, found 13");
+  expect_refused([](System& s) { s.probes[0].position.x = std::nan(""); }, "expected a finite position");
+  expect_refused([](System& s) { s.probes[0].name = 1; }, "a name below 1");
+  expect_refused([](System& s) { s.probes[0].flags = 2; }, "known flags");
+  expect_refused([](System& s) { s.probes[0].first_sender = 1; }, "expected senders from 0 on");
+  expect_refused([](System& s) { s.probes[0].sender_count = 3; }, "found 3 from 0 on of 2");
+  expect_refused([](System& s) { s.probes[0].sender_count = 1; },
+                 "expected 1 senders of probes, as they say, found 2");
 }
 
 }  // namespace

@@ -92,21 +92,44 @@ TEST(ProbeVolume, SurvivesTheFileAndIsChecked) {
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(probe_volume_words(read->probe_volume), probe_volume_words(model.probe_volume));
 
-  const auto refused = [&](auto breaks) {
+  const auto refusal = [&](auto breaks) {
     Model broken = model;
     breaks(broken.probe_volume);
-    return !check_model(broken);
+    const auto checked = check_model(broken);
+    return checked ? "accepted" : checked.error().message;
   };
-  EXPECT_TRUE(refused([](ProbeVolume& v) { v.cells[0].probes[3] = 8; }));
-  EXPECT_TRUE(refused([](ProbeVolume& v) { v.cells[0].sides[3] = 2; }));
-  EXPECT_TRUE(refused([](ProbeVolume& v) { v.cells[0].plane_count = 2; }));
-  EXPECT_TRUE(refused([](ProbeVolume& v) { v.nodes[0] = 0; }));
-  EXPECT_TRUE(refused([](ProbeVolume& v) { v.nodes[0] = kProbeCellBit | 1u; }));
-  EXPECT_TRUE(refused([](ProbeVolume& v) { v.counts[1] = 0; }));
-  EXPECT_TRUE(refused([](ProbeVolume& v) { v.counts[2] = 0xffffffffu; }));
-  EXPECT_TRUE(refused([](ProbeVolume& v) { v.edge = 0.0f; }));
-  EXPECT_TRUE(refused([](ProbeVolume& v) { v.planes[0].x = 0.5f; }));
-  EXPECT_TRUE(refused([](ProbeVolume& v) { v.nodes.clear(); }));
+  const auto expect = [](const std::string& message, const std::string& part) {
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  expect(refusal([](ProbeVolume& v) { v.cells[0].probes[3] = 8; }), "expected probes below 8, found 8");
+  expect(refusal([](ProbeVolume& v) { v.cells[0].sides[3] = 2; }),
+         "expected sides of its 1 planes, found 0x2");
+  expect(refusal([](ProbeVolume& v) { v.cells[0].plane_count = 2; }), "expected at most 8 planes");
+  expect(refusal([](ProbeVolume& v) { v.planes.push_back(v.planes[0]); }),
+         "expected 1 planes, as its cells say, found 2");
+  expect(refusal([](ProbeVolume& v) { v.planes[0].x = 0.5f; }), "normals of length 1");
+  expect(refusal([](ProbeVolume& v) { v.nodes[0] = 0; }), "node 0: expected children from 1 on");
+  expect(refusal([](ProbeVolume& v) { v.nodes[0] = kProbeCellBit | 1u; }),
+         "node 0: expected cell 0 of 1, found 1");
+  expect(refusal([](ProbeVolume& v) { v.nodes.push_back(kNoProbe); }), "expected 1 nodes and 1 cells");
+  expect(refusal([](ProbeVolume& v) { v.counts[1] = 0; }), "root cells along each axis, found 0");
+  expect(refusal([](ProbeVolume& v) { v.counts[2] = 0xffffffffu; }), "root cells along each axis");
+  expect(refusal([](ProbeVolume& v) {
+           v.nodes.resize(2, kNoProbe), v.counts = {2, 2, 1};
+         }),
+         "a node for each of 4 root cells, found 2");
+  expect(refusal([](ProbeVolume& v) { v.edge = 0.0f; }), "an edge above 0, found 0");
+  expect(refusal([](ProbeVolume& v) { v.nodes.clear(); }), "found cells or planes without them");
+  // 17 levels, one in another.
+  expect(refusal([](ProbeVolume& v) {
+           v = {v.lower, v.edge, v.counts, {}, {}, {}};
+           for (std::uint32_t level = 0; level <= kMaxProbeDepth; ++level) {
+             v.nodes.push_back(1 + 8 * level);
+             if (level > 0) v.nodes.insert(v.nodes.end(), 7, kNoProbe);
+           }
+           v.nodes.insert(v.nodes.end(), 8, kNoProbe);
+         }),
+         "at most 16 levels deep");
 }
 
 }  // namespace

@@ -305,6 +305,29 @@ TEST(Files, ExportedMatrixHasTheRowsThatInfoCounts) {
               1e-12);
 }
 
+TEST(Files, DebugViewsTellTheirScales) {
+  const Precomputed box = precomputed("furnace_box", {"--error", "30%", "--texel-size", "0.1"});
+  const std::vector<std::string> views{"cut",     "error",      "form_factors", "leaks",     "rays",
+                                       "row_sum", "row_length", "tree_level",   "uv_overlap"};
+  std::vector<std::string> command{"export", box.file, "-o", box.folder / "views", "--at", "0.5,0,0.5"};
+  for (const std::string& view : views) command.insert(command.end(), {"--debug", view});
+  const nlohmann::json exported = relume_json(command);
+  ASSERT_EQ(exported.at("views").size(), views.size());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const nlohmann::json& scale = exported.at("views")[i];
+    EXPECT_EQ(scale.at("view"), views[i]);
+    EXPECT_LT(scale.at("black").get<double>(), scale.at("white").get<double>());
+    EXPECT_LE(scale.at("least").get<double>(), scale.at("most").get<double>());
+    EXPECT_FALSE(scale.at("unit").get<std::string>().empty());
+  }
+  EXPECT_NEAR(exported.at("views")[5].at("mean").get<double>(), 1.0, 1e-6);  // a closed box
+  EXPECT_LT(exported.at("views")[3].at("most").get<double>(), 1e-6);         // without a wall inside
+  const Precomputed full = precomputed("furnace_box", kCoarse);
+  const Finished refused = run_relume({"export", full.file, "-o", full.folder, "--debug", "error"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--error or --budget"));
+}
+
 // A furnace: whatever is loaded, each surface would have M / (1 - albedo) if all of it were.
 TEST(Files, SystemsAloneSayWhatTheyLack) {
   std::vector<std::string> options = kCoarse;
