@@ -235,8 +235,7 @@ class Critic {
     tbb::parallel_for(known, positions.size(), [&](std::size_t i) {
       glimpses_[i] = glimpse_of(tracers.local().trace(positions[i], points_), probing_);
     });
-    for (const SphereTracer& tracer : tracers)
-      counts.rays += tracer.rays(), counts.occlusion_rays += tracer.occlusion_rays();
+    for (const SphereTracer& tracer : tracers) add_rays(tracer, counts);
   }
 
   /// Whether some place between the corners needs a probe of its own.

@@ -287,6 +287,10 @@ RayCaster::RayCaster(RayCaster&&) noexcept = default;
 RayCaster& RayCaster::operator=(RayCaster&&) noexcept = default;
 RayCaster::~RayCaster() = default;
 
+const std::vector<std::uint8_t>& RayCaster::overlaps() const {
+  return scene_->overlaps;
+}
+
 const std::string& RayCaster::description() const {
   return scene_->description;
 }

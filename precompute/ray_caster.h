@@ -86,6 +86,9 @@ class RayCaster {
   /// all that it meets. Thread-safe.
   float transmittance(const glm::vec3& a, const glm::vec3& b) const;
 
+  /// Per triangle, not 0: it lies on another in one plane. Empty where none does.
+  const std::vector<std::uint8_t>& overlaps() const;
+
   /// Library, version and instruction set, as recorded in the model.
   const std::string& description() const;
 

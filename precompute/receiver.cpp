@@ -2,6 +2,7 @@
 #include "precompute/receiver.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -58,6 +59,30 @@ std::uint64_t Receiver::key() const {
     key = mix(key, bits);
   }
   return key;
+}
+
+std::uint64_t Receiver::identity() const {
+  std::uint64_t identity = mix(key(), walled() ? 1 : 0);
+  const auto add = [&](float a, float b) {
+    identity = mix(identity, std::uint64_t{std::bit_cast<std::uint32_t>(a)} << 32 | std::bit_cast<std::uint32_t>(b));
+  };
+  for (const Patch& patch : origins_.patches()) {
+    add(patch.corner.x, patch.corner.y), add(patch.corner.z, patch.area_below);
+    add(patch.edge1.x, patch.edge1.y), add(patch.edge1.z, patch.inverse_area);
+    add(patch.edge2.x, patch.edge2.y), add(patch.edge2.z, 0.0f);
+    add(patch.frame.normal.x, patch.frame.normal.y), add(patch.frame.normal.z, 0.0f);
+  }
+  return identity;
+}
+
+float Receiver::reach() const {
+  float reach = 0.0f;
+  for (const Patch& patch : origins_.patches()) {
+    const glm::vec3 corner = patch.corner - middle_.position;
+    reach = std::max({reach, glm::length(corner), glm::length(corner + patch.edge1),
+                      glm::length(corner + patch.edge2)});
+  }
+  return reach;
 }
 
 }  // namespace relume

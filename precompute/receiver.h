@@ -39,6 +39,13 @@ class Receiver {
   float radius() const { return radius_; }
   /// The same place has the same key, whatever else is in the scene: seeds come from it.
   std::uint64_t key() const;
+  /// The key, and everything else that its rays start from: with the same identity (and the same walls nearby,
+  /// where it is walled) they are the same rays.
+  std::uint64_t identity() const;
+  /// Whether a wall may run through it.
+  bool walled() const { return !open_.empty(); }
+  /// No origin is further from the middle, m.
+  float reach() const;
 
  private:
   SurfacePoint middle_;

@@ -28,8 +28,7 @@ using Workers = tbb::enumerable_thread_specific<Worker>;
 
 void add_counts(const Workers& workers, RowCounts& counts) {
   for (const Worker& worker : workers) {
-    counts.rays += worker.tracer.rays();
-    counts.occlusion_rays += worker.tracer.occlusion_rays();
+    add_rays(worker.tracer, counts);
     counts.cluster_entries += worker.cluster_entries;
     counts.element_entries += worker.element_entries;
   }

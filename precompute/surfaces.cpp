@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "precompute/assemble_model.h"
+#include "precompute/rows_file.h"
 
 namespace relume {
 namespace {
@@ -33,10 +34,14 @@ double two_digits(double value) {
 
 void choose_sizes(const PrecomputeOptions& options, const Geometry& geometry, PrecomputeReport& report) {
   const double area = std::max(geometry.area, 1e-12);
-  report.cluster_size =
-      options.cluster_size > 0.0 ? options.cluster_size : two_digits(std::sqrt(area / kDefaultClusters));
-  report.texel_size =
-      options.texel_size > 0.0 ? options.texel_size : two_digits(std::sqrt(area / kDefaultLumels));
+  report.cluster_size = two_digits(std::sqrt(area / kDefaultClusters));
+  report.texel_size = two_digits(std::sqrt(area / kDefaultLumels));
+  if (options.old_rows != nullptr) {
+    report.cluster_size = options.old_rows->settings.cluster_size;
+    report.texel_size = options.old_rows->settings.texel_size;
+  }
+  if (options.cluster_size > 0.0) report.cluster_size = options.cluster_size;
+  if (options.texel_size > 0.0) report.texel_size = options.texel_size;
   if (options.texel_size <= 0.0) report.texel_size = std::min(report.texel_size, report.cluster_size);
   if (report.cluster_size < report.texel_size) report.cluster_size = report.texel_size;
 }

@@ -7,6 +7,7 @@
 
 #include "core/model_file.h"
 #include "precompute/process_memory.h"
+#include "precompute/rows_file.h"
 #include "scene/load_scene.h"
 #include "tool/interrupt.h"
 #include "tool/model_summary.h"
@@ -14,6 +15,17 @@
 
 namespace relume {
 namespace {
+
+void say_update(const PrecomputeReport& report, Console& console) {
+  constexpr std::size_t kNodesNamed = 5;
+  const auto& nodes = report.changed_nodes;
+  const std::size_t shown = std::min(nodes.size(), kNodesNamed);
+  console.say(fmt::format("  {:.2f} of {:.1f} million rays traced again; {}{}{}", 1e-6 * double(report.traced_rays),
+                          1e-6 * double(report.traced_rays + report.kept_rays),
+                          nodes.empty() ? "no geometry has changed" : "changed: ",
+                          fmt::join(nodes.begin(), nodes.begin() + std::ptrdiff_t(shown), ", "),
+                          nodes.size() > shown ? fmt::format(" and {} more", nodes.size() - shown) : ""));
+}
 
 void say_report(const PrecomputeArguments& arguments, const PrecomputeReport& report, const Model& model,
                 std::uint64_t file_bytes, Console& console) {
@@ -31,6 +43,7 @@ void say_report(const PrecomputeArguments& arguments, const PrecomputeReport& re
         100.0 * report.error.total(), 100.0 * report.error.clusters, 100.0 * report.error.rays,
         100.0 * report.error.cut, 100.0 * report.error.precision));
   }
+  if (arguments.update) say_update(report, console);
   if (report.invalid_lumels + report.split_lumels > 0) {
     console.say(fmt::format("  {} lumels inside geometry, {} split by a wall", report.invalid_lumels,
                             report.split_lumels));
@@ -46,6 +59,9 @@ JsonObject report_json(const PrecomputeArguments& arguments, const PrecomputeRep
                                {"rays", report.rays},
                                {"peak_memory", peak_resident_bytes()},
                                {"occlusion_rays", report.occlusion_rays},
+                               {"traced_rays", report.traced_rays},
+                               {"kept_rays", report.kept_rays},
+                               {"changed_nodes", json_array(report.changed_nodes)},
                                {"invalid_lumels", report.invalid_lumels},
                                {"split_lumels", report.split_lumels},
                                {"estimated_error", JsonObject{{"clusters", report.error.clusters},
@@ -101,6 +117,22 @@ Result<void> choose_probes(const std::string& asked, PrecomputeOptions& options)
   return {};
 }
 
+/// Where the rows of a model lie.
+std::filesystem::path rows_of(std::filesystem::path model) {
+  return model += ".rows";
+}
+
+/// The rows of the model that is to be updated.
+Result<std::optional<RowsFile>> read_old_rows(const PrecomputeArguments& arguments) {
+  if (!arguments.update) return std::optional<RowsFile>();
+  const std::filesystem::path file = rows_of(*arguments.update);
+  auto bytes = read_file(file);
+  if (!bytes) return tl::unexpected(bytes.error());
+  auto rows = decode_rows(std::move(*bytes), file.string());
+  if (!rows) return tl::unexpected(rows.error());
+  return std::optional<RowsFile>(std::move(*rows));
+}
+
 /// A scene that cannot be written later should not be traced first.
 Result<void> check_output(const std::filesystem::path& output) {
   const std::filesystem::path folder = output.has_parent_path() ? output.parent_path() : ".";
@@ -123,6 +155,12 @@ Result<int> run(const PrecomputeArguments& arguments, Console& console) {
   }
   if (const auto chosen = choose_probes(arguments.probes, options); !chosen)
     return tl::unexpected(chosen.error());
+  const Result<std::optional<RowsFile>> old_rows = read_old_rows(arguments);
+  if (!old_rows) return tl::unexpected(old_rows.error());
+  if (*old_rows) {
+    options.keep_rows = true;
+    options.old_rows = &**old_rows, options.old_rows_name = rows_of(*arguments.update).string();
+  }
   const Result<Scene> scene = load_scene(arguments.scene);
   if (!scene) return tl::unexpected(scene.error());
   for (const std::string& warning : scene->warnings) console.warn(warning);
@@ -145,6 +183,10 @@ Result<int> run(const PrecomputeArguments& arguments, Console& console) {
   if (const Result<void> go_on = check_interrupted(); !go_on) return tl::unexpected(go_on.error());
   if (const Result<void> written = write_model(*model, arguments.output); !written)
     return tl::unexpected(written.error());
+  if (options.keep_rows) {
+    if (const Result<void> written = write_file(rows_of(arguments.output), report.rows); !written)
+      return tl::unexpected(written.error());
+  }
 
   const std::uint64_t file_bytes = std::filesystem::file_size(arguments.output);
   say_report(arguments, report, *model, file_bytes, console);

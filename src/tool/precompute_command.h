@@ -17,6 +17,7 @@ struct PrecomputeArguments {
   PrecomputeOptions options;  ///< without sensors and probes
   std::optional<std::filesystem::path> sensors;
   std::string probes = "none";  ///< or auto, or a spacing in metres, or a CSV
+  std::optional<std::filesystem::path> update;  ///< an earlier model, whose rows lie beside it
 };
 
 /// `relume precompute`. The exit status, or the error that ended it.
