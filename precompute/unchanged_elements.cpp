@@ -62,13 +62,15 @@ std::vector<std::uint32_t> unchanged_elements(
       const bool whole = std::all_of(piece, piece + element.piece_count,
                                      [&](const Piece& p) { return settled[p.shape.triangle]; });
       if (old_of[base + e] == kNone || !whole) return;
-      bool calm = true;
-      if (!lookup.simple(s, e)) {
-        float reach = 0.0f;
-        for_each_near(surface, element, [&](std::uint32_t near) {
-          calm = calm && old_of[base + near] != kNone;
-          reach = std::max(reach, glm::length(surface.elements[near].position - element.position));
-        });
+      // Keys say whether a wall is near: what is simple now was so before.
+      bool simple = true, calm = true;
+      float reach = 0.0f;
+      for_each_near(surface, element, [&](std::uint32_t near) {
+        calm = calm && old_of[base + near] != kNone;
+        simple = simple && lookup.simple(s, near);
+        reach = std::max(reach, glm::length(surface.elements[near].position - element.position));
+      });
+      if (calm && !simple) {
         for_each_near(surface, element, [&](std::uint32_t near) {
           calm = calm && !disturbed(base + near, kLift * 2.0f * reach);
         });
