@@ -170,13 +170,13 @@ void KeptRays::find_balls(const Surfaces& surfaces) {
 void KeptRays::translate(const Surfaces& surfaces, const RayCaster& caster, const SenderLookup& lookup,
                          std::span<const std::uint64_t> keys) {
   const Geometry& geometry = surfaces.geometry;
-  const auto overlaps = [](const std::vector<std::uint8_t>& flags, std::uint32_t t) {
+  const auto ties = [](const std::vector<std::uint8_t>& flags, std::uint32_t t) {
     return !flags.empty() && flags[t] != 0;
   };
   std::vector<bool> settled(geometry.triangles.size(), false);  // unchanged, and ties are looked for as before
   for (std::uint32_t t = 0; t < new_triangle_.size(); ++t) {
     if (new_triangle_[t] == kNone) continue;
-    settled[new_triangle_[t]] = overlaps(old_.overlaps, t) == overlaps(caster.overlaps(), new_triangle_[t]);
+    settled[new_triangle_[t]] = ties(old_.ties, t) == ties(caster.ties(), new_triangle_[t]);
   }
   new_codes_.assign(old_codes_.count(), RayCodes::kUnknown);
   new_codes_[RayCodes::kNoRay] = RayCodes::kNoRay;

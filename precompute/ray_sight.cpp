@@ -55,20 +55,33 @@ void RaySight::trace(std::uint32_t lanes, RayPacket& rays, PacketSight& sight) {
   choose_lanes(lanes, rays);
   traced_ += std::uint64_t(std::popcount(lanes));
   caster_.closest_hits(rays, RaySpread::narrow);
+  std::uint32_t doubtful = 0;
   for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
     if ((lanes >> lane & 1u) == 0) continue;
-    const std::uint32_t triangle = rays.triangle[lane];
-    if (triangle == kNoTriangle) {
-      sight.place[lane] = kOpenSky;
-      continue;
-    }
-    const glm::vec3 direction(rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]);
-    const std::uint32_t place = lookup_.seen(triangle, rays.u[lane], rays.v[lane], direction);
-    sight.place[lane] = place;
-    if (place >= SenderLookup::kBlackBack || !emitters_.contain(lookup_.sender_of(place))) continue;
-    sight.distance[lane] = rays.far[lane];
-    sight.cosine[lane] = std::abs(glm::dot(direction, geometry_.normals[triangle]));
+    look_up(lane, rays, sight);
+    const std::uint32_t place = sight.place[lane];
+    if (place == kNone || (place < kNoRay && lookup_.near_walls(place))) doubtful |= 1u << lane;
   }
+  if (doubtful == 0) return;
+  const RayPacket::Numbers met = rays.triangle;
+  caster_.settle(rays, doubtful);
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
+    if ((doubtful >> lane & 1u) != 0 && rays.triangle[lane] != met[lane]) look_up(lane, rays, sight);
+  }
+}
+
+void RaySight::look_up(std::size_t lane, const RayPacket& rays, PacketSight& sight) const {
+  const std::uint32_t triangle = rays.triangle[lane];
+  if (triangle == kNoTriangle) {
+    sight.place[lane] = kOpenSky;
+    return;
+  }
+  const glm::vec3 direction(rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]);
+  const std::uint32_t place = lookup_.seen(triangle, rays.u[lane], rays.v[lane], direction);
+  sight.place[lane] = place;
+  if (place >= SenderLookup::kBlackBack || !emitters_.contain(lookup_.sender_of(place))) return;
+  sight.distance[lane] = rays.far[lane];
+  sight.cosine[lane] = std::abs(glm::dot(direction, geometry_.normals[triangle]));
 }
 
 void RaySight::book(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays,

@@ -83,6 +83,7 @@ class RaySight {
  private:
   std::uint32_t recall(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays, PacketSight& sight);
   void trace(std::uint32_t lanes, RayPacket& rays, PacketSight& sight);
+  void look_up(std::size_t lane, const RayPacket& rays, PacketSight& sight) const;
   void book(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays, const PacketSight& sight);
   std::uint32_t recall_samples(std::uint32_t first, std::uint32_t asked, std::uint32_t useful, const RayPacket& rays,
                                SeenSamples& seen);

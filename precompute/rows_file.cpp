@@ -76,7 +76,7 @@ class Reader {
 bool sound_scene(const RowsFile& rows) {
   const std::size_t triangles = rows.triangles.size();
   if (rows.triangle_keys.size() != triangles || rows.triangle_nodes.size() != triangles) return false;
-  if (!rows.overlaps.empty() && rows.overlaps.size() != triangles) return false;
+  if (!rows.ties.empty() && rows.ties.size() != triangles) return false;
   for (const glm::vec3& p : rows.positions) {
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return false;
   }
@@ -125,7 +125,7 @@ Result<void> read_all(const Reader& reader, RowsFile& rows) {
   const bool whole = reader.read("RNAM", names) && reader.read("RNOD", rows.nodes) &&
                      reader.read("RPOS", rows.positions) && reader.read("RTRI", rows.triangles) &&
                      reader.read("RTKY", rows.triangle_keys) && reader.read("RTND", rows.triangle_nodes) &&
-                     reader.read("ROVL", rows.overlaps) && reader.read("RELM", rows.element_keys) &&
+                     reader.read("RTIE", rows.ties) && reader.read("RELM", rows.element_keys) &&
                      reader.read("RRCV", rows.receivers) && names.size() == 2;
   if (!whole) return reader.bad("expected sections of whole entries, found one that ends inside an entry");
   rows.scene_file = names[0], rows.ray_tracer = names[1];
@@ -151,7 +151,7 @@ std::vector<std::byte> encode_rows(const RowsFile& rows) {
   writer.add_array("RTRI", kWhole, rows.triangles);
   writer.add_array("RTKY", kWhole, rows.triangle_keys);
   writer.add_array("RTND", kWhole, rows.triangle_nodes);
-  writer.add_array("ROVL", kWhole, rows.overlaps);
+  writer.add_array("RTIE", kWhole, rows.ties);
   writer.add_array("RELM", kWhole, rows.element_keys);
   writer.add_array("RRCV", kWhole, rows.receivers);
   writer.add("RCOD", kWhole, rows.codes);

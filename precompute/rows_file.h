@@ -59,7 +59,7 @@ struct RowsFile {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint64_t> triangle_keys;  ///< geometry_keys.h
   std::vector<std::uint32_t> triangle_nodes;
-  std::vector<std::uint8_t> overlaps;        ///< per triangle: RayCaster::overlaps
+  std::vector<std::uint8_t> ties;        ///< per triangle: RayCaster::ties
   std::vector<std::uint64_t> element_keys;
   std::vector<ReceiverRecord> receivers;     ///< ascending by identity
   std::span<const std::byte> codes;          ///< of all receivers; kCodePadding bytes follow

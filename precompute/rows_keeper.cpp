@@ -41,7 +41,7 @@ std::vector<std::byte> RowsKeeper::finish(const PrecomputeReport& report) {
   for (const SceneNode& node : scene_.nodes) file.nodes.push_back(node.path);
   file.positions = geometry.positions, file.triangles = geometry.triangles;
   file.triangle_keys = std::move(triangle_keys_), file.triangle_nodes = geometry.node;
-  file.overlaps = caster_.overlaps();
+  file.ties = caster_.ties();
   file.element_keys = std::move(element_keys_);
   memory_.record.move_into(file);
   return encode_rows(file);

@@ -70,6 +70,10 @@ SenderLookup::SenderLookup(const Geometry& geometry, const std::vector<Chart>& c
     fill_fine_cells(s);
   }
   senders_.assign(elements, kNone);
+  for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
+    for (std::uint32_t e = 0; e < surfaces[s].surface.elements.size(); ++e)
+      near_walls_.push_back(simple(s, e) ? 0 : 1);
+  }
   follow_clusters();
 }
 

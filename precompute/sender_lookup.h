@@ -59,6 +59,9 @@ class SenderLookup {
     return (grids_[system].entry[surfaces_[system].surface.elements[element_of_system].cell] & kSearch) == 0;
   }
 
+  /// Whether surfaces cross or touch near an element, as far as its lumel shows it.
+  bool near_walls(std::uint32_t element) const { return near_walls_[element] != 0; }
+
   /// Instead of an element: the back of a single-sided surface, opaque and black.
   static constexpr std::uint32_t kBlackBack = kNone - 1;
 
@@ -126,6 +129,7 @@ class SenderLookup {
   std::vector<Grid> grids_;
   std::vector<std::uint32_t> first_elements_;  ///< per system
   std::vector<std::uint32_t> senders_;         ///< per element of all systems
+  std::vector<std::uint8_t> near_walls_;       ///< likewise
 };
 
 }  // namespace relume
