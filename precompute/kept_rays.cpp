@@ -146,7 +146,11 @@ Result<void> KeptRays::cast_changes(const Geometry& geometry) {
   added_ = std::move(*added), removed_ = std::move(*removed);
   std::vector<Box> boxes;
   for (const auto t : added_triangles_) boxes.push_back(box_of(geometry.positions, geometry.triangles[t]));
-  if (!boxes.empty()) added_bounds_ = BoxTree(boxes).bounds();
+  if (!boxes.empty()) {
+    added_bounds_ = BoxTree(boxes).bounds();
+    added_ball_ = {0.5f * (added_bounds_.lower + added_bounds_.upper),
+                   0.5f * glm::length(added_bounds_.upper - added_bounds_.lower)};
+  }
   for (const auto t : removed_triangles_) boxes.push_back(box_of(old_.positions, old_.triangles[t]));
   changes_ = BoxTree(std::move(boxes));
   return {};
@@ -180,7 +184,7 @@ void KeptRays::translate(const Surfaces& surfaces, const RayCaster& caster, cons
   }
   new_codes_.assign(old_codes_.count(), RayCodes::kUnknown);
   new_codes_[RayCodes::kNoRay] = RayCodes::kNoRay;
-  new_codes_[RayCodes::kNothing] = RayCodes::kNothing;
+  for (std::uint32_t code = RayCodes::kFirstCell; RayCodes::is_sky(code); ++code) new_codes_[code] = code;
   std::vector<bool> charted(geometry.triangles.size(), false);
   for (const Chart& chart : surfaces.charts) {
     for (const auto t : chart.triangles) charted[t] = true;
@@ -239,6 +243,15 @@ SampleState KeptRays::sample(const OldRays& rays, std::uint32_t sample) const {
 bool KeptRays::disturbed(const glm::vec3& position, float reach) const {
   const glm::vec3 far(reach + margin_);
   return changes_.meets({position - far, position + far});
+}
+
+bool KeptRays::stands_clear(const glm::vec3& from, float reach, std::uint32_t element) const {
+  const Ball& ball = balls_[element];
+  const glm::vec3 way = ball.middle - from, to = added_ball_.middle - from;
+  const float along = std::clamp(glm::dot(to, way) / std::max(glm::dot(way, way), 1e-30f), 0.0f, 1.0f);
+  const glm::vec3 aside = to - along * way;
+  const float apart = added_ball_.radius + std::max(reach, ball.radius) + margin_;
+  return glm::dot(aside, aside) > apart * apart;
 }
 
 std::uint32_t KeptRays::blocked(const RayPacket& packet, std::uint32_t lanes,

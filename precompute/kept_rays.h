@@ -53,6 +53,8 @@ class KeptRays {
 
   /// Whether anything changed within `reach` metres.
   bool disturbed(const glm::vec3& position, float reach) const;
+  /// Whether nothing that was added lies between the points within `reach` of a place and those of an element.
+  bool stands_clear(const glm::vec3& from, float reach, std::uint32_t element) const;
   /// Of the lanes of a packet that `lanes` says, and that met what `codes` say: those that something new may stand
   /// before.
   std::uint32_t blocked(const RayPacket& packet, std::uint32_t lanes,
@@ -63,6 +65,11 @@ class KeptRays {
   std::uint32_t freed(const RayPacket& packet, std::uint32_t lanes) const;
 
  private:
+  struct Ball {
+    glm::vec3 middle{0.0f};
+    float radius = 0.0f;
+  };
+
   explicit KeptRays(const RowsFile& old) : old_(old) {}
   void match_triangles(const Geometry& geometry, const Scene& scene, std::span<const std::uint64_t> keys);
   Result<void> cast_changes(const Geometry& geometry);
@@ -70,12 +77,6 @@ class KeptRays {
   void translate(const Surfaces& surfaces, const RayCaster& caster, const SenderLookup& lookup,
                  std::span<const std::uint64_t> keys);
   void index_receivers();
-
-  /// A ball that holds an element.
-  struct Ball {
-    glm::vec3 middle{0.0f};
-    float radius = 0.0f;
-  };
 
   const RowsFile& old_;
   RayCodes old_codes_, codes_;
@@ -85,8 +86,9 @@ class KeptRays {
   std::vector<std::string> changed_nodes_;
   std::optional<RayCaster> added_, removed_;
   Box added_bounds_;
+  Ball added_ball_;
   BoxTree changes_;
-  std::vector<Ball> balls_;                ///< per element of this scene
+  std::vector<Ball> balls_;                ///< per element of this scene: they hold it
   std::vector<std::uint32_t> new_codes_;   ///< per old code; empty: nothing can be kept
   std::vector<std::uint64_t> first_code_, first_sample_, first_hit_;  ///< per receiver
   float margin_ = 0.0f;                    ///< m: no two places closer than that are told apart

@@ -28,7 +28,7 @@
 namespace relume {
 namespace {
 
-constexpr std::uint32_t kSkyResolution = 8;
+constexpr std::uint32_t kSkyResolution = RayCodes::kSkyResolution;
 /// Clusters are made anew while their error is estimated so many times as large as its share of the target,
 /// and smaller ones lessen it to this share; a few times at most.
 constexpr double kEnough = 1.1, kWorthwhile = 0.8;

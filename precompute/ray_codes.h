@@ -8,12 +8,13 @@
 
 namespace relume {
 
-/// What a ray met, as one number: nothing, the back or the bare front of a triangle (one without elements), or an
-/// element.
+/// What a ray met, as one number: a cell of the sky, the back or the bare front of a triangle (one without elements),
+/// or an element.
 struct RayCodes {
   static constexpr std::uint32_t kUnknown = 0;  ///< not traced
   static constexpr std::uint32_t kNoRay = 1;    ///< a wall stands between the middle of the receiver and the origin
-  static constexpr std::uint32_t kNothing = 2;
+  static constexpr std::uint32_t kFirstCell = 2;
+  static constexpr std::uint32_t kSkyResolution = 8;  ///< core/sky.h
 
   std::uint32_t triangles = 0, elements = 0;
 
@@ -21,6 +22,7 @@ struct RayCodes {
   std::uint32_t bare(std::uint32_t triangle) const { return kFirst + triangles + triangle; }
   std::uint32_t element(std::uint32_t element) const { return first_element() + element; }
   std::uint32_t first_element() const { return kFirst + 2 * triangles; }
+  static bool is_sky(std::uint32_t code) { return code >= kFirstCell && code < kFirst; }
   bool is_back(std::uint32_t code) const { return code >= kFirst && code < kFirst + triangles; }
   bool is_bare(std::uint32_t code) const { return code >= kFirst + triangles && code < first_element(); }
   bool is_element(std::uint32_t code) const { return code >= first_element(); }
@@ -30,7 +32,7 @@ struct RayCodes {
   std::uint32_t width() const { return (std::uint32_t(std::bit_width(count())) + 7) / 8; }
 
  private:
-  static constexpr std::uint32_t kFirst = 3;
+  static constexpr std::uint32_t kFirst = kFirstCell + 6 * kSkyResolution * kSkyResolution;
 };
 
 /// Bytes that may be read or written beyond the last code.

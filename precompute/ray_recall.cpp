@@ -31,6 +31,7 @@ void RayRecall::begin(std::uint64_t identity, const Receiver& receiver, std::uin
   // Whether an origin belongs to a walled receiver depends on what stands around it.
   const bool moved = receiver.walled() && memory_.kept->disturbed(receiver.middle().position, 3.0f * receiver.reach());
   if (!moved) old_ = memory_.kept->find(identity);
+  middle_ = receiver.middle().position, reach_ = receiver.reach();
   old_samples_ = memory_.kept->emitters() == memory_.emitters;
   faces_changes_ = memory_.kept->adds() && faces_changes(receiver);
 }
@@ -58,12 +59,14 @@ void RayRecall::end() {
 bool RayRecall::tell(std::uint32_t code, std::uint32_t ray, std::span<const EmitterHit> hits, std::size_t lane,
                      PacketSight& sight) const {
   const RayCodes& codes = memory_.record.codes();
-  if (code < RayCodes::kNothing) {
+  if (code < RayCodes::kFirstCell) {
     sight.place[lane] = kNoRay;
     return code == RayCodes::kNoRay;
   }
   if (!codes.is_element(code)) {
-    sight.place[lane] = code == RayCodes::kNothing ? kOpenSky : codes.is_back(code) ? SenderLookup::kBlackBack : kNone;
+    sight.place[lane] = RayCodes::is_sky(code) ? kSky + (code - RayCodes::kFirstCell)
+                        : codes.is_back(code)  ? SenderLookup::kBlackBack
+                                               : kNone;
     return true;
   }
   const std::uint32_t element = code - codes.first_element();
@@ -73,6 +76,38 @@ bool RayRecall::tell(std::uint32_t code, std::uint32_t ray, std::span<const Emit
   if (hit == hits.end() || hit->ray != ray) return false;
   sight.distance[lane] = hit->distance, sight.cosine[lane] = hit->cosine;
   return true;
+}
+
+bool RayRecall::know(const RayNumbers& numbers, std::uint32_t asked, PacketSight& sight) {
+  const std::uint32_t width = memory_.record.codes().width();
+  std::array<std::uint32_t, kPacketSize> codes{};
+  std::uint32_t old = 0, shot = 0;
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
+    if ((asked >> lane & 1u) == 0) continue;
+    const std::uint32_t ray = numbers[lane];
+    std::uint32_t code = ray < known_->rays ? load_code(known_->codes.data(), width, ray) : RayCodes::kUnknown;
+    if (code == RayCodes::kUnknown) {
+      if (!old_) return false;
+      code = memory_.kept->code(*old_, ray);
+      if (code == RayCodes::kUnknown || !stands_clear(code)) return false;
+      old |= 1u << lane;
+    }
+    if (!tell(code, ray, {}, lane, sight)) return false;
+    codes[lane] = code;
+    if (code != RayCodes::kNoRay) shot |= 1u << lane;
+  }
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize) && old != 0; ++lane) {
+    if ((old >> lane & 1u) != 0) book_code(numbers[lane], codes[lane]);
+  }
+  kept_rays_ += std::uint64_t(std::popcount(old & shot));
+  return true;
+}
+
+/// Whether nothing new can stand before what the receiver saw, wherever on both the ray began and ended.
+bool RayRecall::stands_clear(std::uint32_t code) const {
+  if (!faces_changes_ || code == RayCodes::kNoRay) return true;
+  const RayCodes& codes = memory_.record.codes();
+  return codes.is_element(code) && memory_.kept->stands_clear(middle_, reach_, code - codes.first_element());
 }
 
 std::uint32_t RayRecall::recall(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,
@@ -107,7 +142,7 @@ std::uint32_t RayRecall::recall_old(const RayNumbers& numbers, std::uint32_t ask
   for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
     if ((told >> lane & 1u) == 0) continue;
     book_code(numbers[lane], codes[lane]);
-    if (sight.place[lane] < kNoRay && emitters_.contain(lookup_.sender_of(sight.place[lane])))
+    if (sees_element(sight.place[lane]) && emitters_.contain(lookup_.sender_of(sight.place[lane])))
       known_->emitter_hits.push_back({numbers[lane], sight.distance[lane], sight.cosine[lane]});
   }
   return told;
@@ -128,13 +163,13 @@ void RayRecall::book(const RayNumbers& numbers, std::uint32_t lanes, const RayPa
   for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
     if ((lanes >> lane & 1u) == 0) continue;
     const std::uint32_t place = sight.place[lane];
-    if (place < kNoRay) {
+    if (sees_element(place)) {
       book_code(numbers[lane], codes.element(place));
       if (emitters_.contain(lookup_.sender_of(place)))
         known_->emitter_hits.push_back({numbers[lane], sight.distance[lane], sight.cosine[lane]});
     } else {
       book_code(numbers[lane], place == kNoRay                     ? RayCodes::kNoRay
-                               : place == kOpenSky                 ? RayCodes::kNothing
+                               : sees_sky(place)                   ? RayCodes::kFirstCell + (place - kSky)
                                : place == SenderLookup::kBlackBack ? codes.back(rays.triangle[lane])
                                                                    : codes.bare(rays.triangle[lane]));
     }

@@ -31,6 +31,8 @@ class RayRecall {
   void begin(std::uint64_t identity, const Receiver& receiver, std::uint32_t rays, std::uint32_t samples);
   void end();
 
+  /// As RaySight::know.
+  bool know(const RayNumbers& numbers, std::uint32_t asked, PacketSight& sight);
   /// Of the lanes `asked`, with these numbers in the sequence: those that are known, and what they see. Of the rays
   /// of the packet only origins and directions count.
   std::uint32_t recall(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays, PacketSight& sight);
@@ -53,6 +55,7 @@ class RayRecall {
                            PacketSight& sight);
   void book_code(std::uint32_t ray, std::uint32_t code);
   bool faces_changes(const Receiver& receiver) const;
+  bool stands_clear(std::uint32_t code) const;
   std::uint32_t changed_samples(const RayPacket& rays, std::uint32_t hidden, std::uint32_t visible) const;
 
   RayMemory& memory_;
@@ -64,6 +67,8 @@ class RayRecall {
   std::optional<OldRays> old_;
   bool old_samples_ = false;      ///< are of the same emitters
   bool faces_changes_ = true;     ///< rays may meet what was added
+  glm::vec3 middle_{0.0f};        ///< of the receiver
+  float reach_ = 0.0f;            ///< m, from there to the origins of its rays
   std::uint64_t kept_rays_ = 0, kept_samples_ = 0;
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "core/sky.h"
 #include "precompute/ray_recall.h"
 
 namespace relume {
@@ -45,6 +46,12 @@ std::uint64_t RaySight::kept_samples() const {
   return recall_ ? recall_->kept_samples() : 0;
 }
 
+bool RaySight::know(const RayNumbers& numbers, std::uint32_t asked, PacketSight& sight) {
+  if (!recall_) return false;
+  sight.place.fill(kNoRay);
+  return recall_->know(numbers, asked, sight);
+}
+
 std::uint32_t RaySight::recall(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,
                                PacketSight& sight) {
   sight.place.fill(kNoRay);
@@ -60,7 +67,7 @@ void RaySight::trace(std::uint32_t lanes, RayPacket& rays, PacketSight& sight) {
     if ((lanes >> lane & 1u) == 0) continue;
     look_up(lane, rays, sight);
     const std::uint32_t place = sight.place[lane];
-    if (place == kNone || (place < kNoRay && lookup_.near_walls(place))) doubtful |= 1u << lane;
+    if (place == kNone || (sees_element(place) && lookup_.near_walls(place))) doubtful |= 1u << lane;
   }
   if (doubtful == 0) return;
   const RayPacket::Numbers met = rays.triangle;
@@ -72,11 +79,11 @@ void RaySight::trace(std::uint32_t lanes, RayPacket& rays, PacketSight& sight) {
 
 void RaySight::look_up(std::size_t lane, const RayPacket& rays, PacketSight& sight) const {
   const std::uint32_t triangle = rays.triangle[lane];
+  const glm::vec3 direction(rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]);
   if (triangle == kNoTriangle) {
-    sight.place[lane] = kOpenSky;
+    sight.place[lane] = kSky + sky_cell(glm::dvec3(direction), RayCodes::kSkyResolution);
     return;
   }
-  const glm::vec3 direction(rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]);
   const std::uint32_t place = lookup_.seen(triangle, rays.u[lane], rays.v[lane], direction);
   sight.place[lane] = place;
   if (place >= SenderLookup::kBlackBack || !emitters_.contain(lookup_.sender_of(place))) return;

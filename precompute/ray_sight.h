@@ -20,9 +20,16 @@ struct RayMemory;
 /// Which points of a sequence the lanes of a packet are.
 using RayNumbers = std::span<const std::uint32_t, kPacketSize>;
 
-/// In place of an element, besides kNone (a surface without elements) and SenderLookup::kBlackBack: nothing was met;
-/// and there is no ray.
-inline constexpr std::uint32_t kOpenSky = kNone - 2, kNoRay = kNone - 3;
+/// In place of an element, besides kNone (a surface without elements) and SenderLookup::kBlackBack: there is no ray;
+/// and, from kSky on, a cell of the sky.
+inline constexpr std::uint32_t kNoRay = kNone - 2, kSky = 0xf0000000u;
+
+inline bool sees_element(std::uint32_t place) {
+  return place < kSky;
+}
+inline bool sees_sky(std::uint32_t place) {
+  return place >= kSky && place < kNoRay;
+}
 
 /// What the lanes of a packet see.
 struct PacketSight {
@@ -49,6 +56,10 @@ class RaySight {
   /// Rays, and samples of emitters, up to end() belong to one receiver, with this identity.
   void begin(std::uint64_t identity, const Receiver& receiver, std::uint32_t rays, std::uint32_t samples);
   void end();
+
+  /// Whether it is known what all lanes `asked` see, without a look at where their rays go. Not so of possible
+  /// emitters, nor where something that moved may stand in the way.
+  bool know(const RayNumbers& numbers, std::uint32_t asked, PacketSight& sight);
 
   /// What the lanes `asked` see; the others have no ray. `own(lanes)`: those of the lanes that belong to the
   /// receiver; only asked of rays that must be traced. `rays` is used up.

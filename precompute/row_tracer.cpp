@@ -7,7 +7,6 @@
 #include <glm/geometric.hpp>
 
 #include "core/quantities.h"
-#include "core/sky.h"
 
 namespace relume {
 namespace {
@@ -23,6 +22,11 @@ glm::vec3 direction_of(const RayPacket& packet, int lane) {
 /// Where in their sequence the area samples begin that go with the rays of `range`.
 std::uint32_t first_sample(const PointRange& range, std::uint32_t samples) {
   return std::min(range.first / kRaysPerAreaSample, kMaxAreaSamples - samples) / kPacketSize * kPacketSize;
+}
+
+/// So many from the first on, as bits.
+std::uint32_t first_lanes(std::uint32_t count) {
+  return count >= std::uint32_t(kPacketSize) ? (1u << kPacketSize) - 1u : (1u << count) - 1u;
 }
 
 /// Those of `lanes` whose origins belong to the receiver.
@@ -82,8 +86,7 @@ RowTracer::Totals RowTracer::trace_hemisphere(const Receiver& receiver, const So
   for (std::uint32_t first = range.first; first < range.first + range.count; first += kPacketSize) {
     look(receiver, points, key, first, packet, seen);
     for (int lane = 0; lane < kPacketSize; ++lane) {
-      if (seen.place[std::size_t(lane)] != kNoRay)
-        count_hit(packet.rays, seen, lane, packet.normal(receiver, lane), range.count, totals);
+      if (seen.place[std::size_t(lane)] != kNoRay) count_hit(receiver, packet, seen, lane, range.count, totals);
     }
   }
   return totals;
@@ -91,34 +94,37 @@ RowTracer::Totals RowTracer::trace_hemisphere(const Receiver& receiver, const So
 
 void RowTracer::look(const Receiver& receiver, const SobolPoints& points, std::uint64_t key, std::uint32_t first,
                      HemispherePacket& packet, PacketSight& seen) {
+  const std::uint32_t left = points.count() - std::min(points.count(), first);
+  if (scene_.memory != nullptr && !scene_.directional &&
+      sight_.know(points.numbers(first), first_lanes(left), seen))
+    return;
   make_packet(scene_.geometry, receiver, points, key, first, packet);
   sight_.see(points.numbers(first), packet.used_lanes(), packet.rays, seen,
              [&](std::uint32_t lanes) { return owned_lanes(scene_, receiver, packet.origins, lanes); });
 }
 
-void RowTracer::count_hit(const RayPacket& packet, const PacketSight& seen, int lane, const glm::vec3& normal,
+void RowTracer::count_hit(const Receiver& receiver, const HemispherePacket& packet, const PacketSight& seen, int lane,
                           std::uint32_t ray_count, Totals& totals) {
   ++totals.traced;
   const std::uint32_t place = seen.place[std::size_t(lane)];
   if (place == SenderLookup::kBlackBack) ++totals.back_faces;
   if (place >= SenderLookup::kBlackBack) return;
-  const glm::vec3 direction = direction_of(packet, lane);
   std::uint32_t sender = 0;
-  if (place == kOpenSky) {
-    sender = scene_.sky_senders[sky_cell(glm::dvec3(direction), scene_.sky_resolution)];
+  if (sees_sky(place)) {
+    sender = scene_.sky_senders[place - kSky];
   } else {
     sender = scene_.lookup.sender_of(place);
     const std::uint32_t emitter = scene_.emitters.of(sender);
     if (emitter != kNone && choice_.probability[emitter] > 0.0) {
       ++totals.arrived;
       ++totals.arrived_at_emitters;
-      add_emitter_hit(emitter, packet, seen, lane, normal, ray_count);
+      add_emitter_hit(emitter, packet.rays, seen, lane, packet.normal(receiver, lane), ray_count);
       return;
     }
   }
   ++totals.arrived;
   ++counts_[sender];
-  if (scene_.directional) direction_sums_[sender] += glm::dvec3(direction);
+  if (scene_.directional) direction_sums_[sender] += glm::dvec3(direction_of(packet.rays, lane));
   touched_.insert(sender);
 }
 

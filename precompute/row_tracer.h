@@ -83,7 +83,8 @@ class RowTracer {
                           std::uint64_t key);
   void look(const Receiver& receiver, const SobolPoints& points, std::uint64_t key, std::uint32_t first,
             HemispherePacket& packet, PacketSight& seen);
-  void count_hit(const RayPacket& packet, const PacketSight& seen, int lane, const glm::vec3& normal,
+  /// Of the packet, directions and origins of lanes that see a possible emitter, or of all in a directional scene.
+  void count_hit(const Receiver& receiver, const HemispherePacket& packet, const PacketSight& seen, int lane,
                  std::uint32_t ray_count, Totals& totals);
   void add_emitter_hit(std::uint32_t emitter, const RayPacket& packet, const PacketSight& seen, int lane,
                        const glm::vec3& normal, std::uint32_t ray_count);

@@ -152,10 +152,9 @@ void SphereTracer::add_hit(const RayPacket& packet, const PacketSight& seen, std
   if (place >= SenderLookup::kBlackBack) return;
   const glm::vec3 direction = direction_of(packet, lane);
   const double whole = 1.0 / density_by_ray_;
-  if (place == kOpenSky) {
+  if (sees_sky(place)) {
     ++totals.arrived;
-    const std::uint32_t cell = sky_cell(glm::dvec3(direction), scene_.sky_resolution);
-    counted_.push_back({scene_.sky_senders[cell], float(whole), direction});
+    counted_.push_back({scene_.sky_senders[place - kSky], float(whole), direction});
     return;
   }
   ++totals.arrived;
