@@ -58,8 +58,10 @@ std::uint64_t chart_key(const std::vector<std::uint64_t>& triangles, const Chart
 std::uint64_t element_key(const std::vector<std::uint64_t>& triangles, const SystemSurface& surface,
                           const Element& element, std::uint64_t chart, const glm::uvec2& position,
                           std::uint32_t number) {
-  const std::uint32_t x = element.cell % surface.width - position.x, y = element.cell / surface.width - position.y;
-  const std::uint32_t first = surface.first_element[element.cell], last = surface.first_element[element.cell + 1];
+  const std::uint32_t x = element.cell % surface.width - position.x,
+                      y = element.cell / surface.width - position.y;
+  const std::uint32_t first = surface.first_element[element.cell],
+                      last = surface.first_element[element.cell + 1];
   Key key(chart);
   key.add(std::uint64_t{x} << 32 | y).add(std::uint64_t{number - first} << 32 | (last - first));
   key.add((element.walled ? 1u : 0u) + (element.split ? 2u : 0u));
@@ -133,7 +135,11 @@ std::uint64_t emitters_key(const Emitters& emitters) {
     key.add(std::bit_cast<std::uint64_t>(emitter.area)).add(emitter.centroid).add(emitter.normal);
     key.add(emitter.radius, 0.0f);
     for (const Patch& patch : emitter.points.patches())
-      key.add(patch.corner).add(patch.edge1).add(patch.edge2).add(patch.frame.normal).add(patch.area_below, 0.0f);
+      key.add(patch.corner)
+          .add(patch.edge1)
+          .add(patch.edge2)
+          .add(patch.frame.normal)
+          .add(patch.area_below, 0.0f);
   }
   return key.value();
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Names of triangles and elements that stay the same while nothing about them changes, whatever is added to the
-// scene or taken out of it.
+// Names of triangles and elements that stay the same while nothing about them changes, whatever is added to
+// the scene or taken out of it.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@ namespace relume {
 /// name or colours.
 std::vector<std::uint64_t> triangle_keys(const Geometry& geometry);
 
-/// Per element of all systems: its chart, its place in it, the pieces that it is made of, and whether a wall is
-/// near. Elements that nothing tells apart (of charts that lie in each other) have 0.
+/// Per element of all systems: its chart, its place in it, the pieces that it is made of, and whether a wall
+/// is near. Elements that nothing tells apart (of charts that lie in each other) have 0.
 std::vector<std::uint64_t> element_keys(const std::vector<std::uint64_t>& triangles,
                                         const std::vector<Chart>& charts,
                                         const std::vector<SystemLayout>& layouts,

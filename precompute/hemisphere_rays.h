@@ -23,7 +23,8 @@ struct HemispherePacket {
 
   std::uint32_t used_lanes() const {  ///< as bits
     std::uint32_t lanes = 0;
-    for (std::uint32_t lane = 0; lane < std::uint32_t(kPacketSize); ++lane) lanes |= used[lane] ? 1u << lane : 0u;
+    for (std::uint32_t lane = 0; lane < std::uint32_t(kPacketSize); ++lane)
+      lanes |= used[lane] ? 1u << lane : 0u;
     return lanes;
   }
 

@@ -15,8 +15,8 @@
 namespace relume {
 namespace {
 
-/// Rounding of hits, and the slack with which ties are settled (ray_caster.cpp), are far below this share of the
-/// largest coordinate.
+/// Rounding of hits, and the slack with which ties are settled (ray_caster.cpp), are far below this share of
+/// the largest coordinate.
 constexpr float kMargin = 0x1p-15f;
 
 /// Of `old_of`, the longest part that ascends (M. Fredman, On Computing the Length of Longest Increasing
@@ -25,8 +25,9 @@ std::vector<bool> ascending(const std::vector<std::uint32_t>& old_of) {
   std::vector<std::uint32_t> ends, before(old_of.size(), kNone);  // indices into old_of
   for (std::uint32_t i = 0; i < old_of.size(); ++i) {
     if (old_of[i] == kNone) continue;
-    const auto at = std::lower_bound(ends.begin(), ends.end(), old_of[i],
-                                     [&](std::uint32_t end, std::uint32_t value) { return old_of[end] < value; });
+    const auto at =
+        std::lower_bound(ends.begin(), ends.end(), old_of[i],
+                         [&](std::uint32_t end, std::uint32_t value) { return old_of[end] < value; });
     if (at != ends.begin()) before[i] = *(at - 1);
     if (at == ends.end()) {
       ends.push_back(i);
@@ -63,8 +64,8 @@ void choose_lanes(std::uint32_t lanes, RayPacket& packet) {
   }
 }
 
-Result<void> check_settings(const RowsFile& old, const std::string& name, std::uint64_t seed, double texel_size,
-                            const RayCaster& caster) {
+Result<void> check_settings(const RowsFile& old, const std::string& name, std::uint64_t seed,
+                            double texel_size, const RayCaster& caster) {
   const auto bad = [&](const std::string& what) {
     return fail(ErrorCode::bad_input, fmt::format("{}: {}; precompute without --update", name, what));
   };
@@ -75,7 +76,8 @@ Result<void> check_settings(const RowsFile& old, const std::string& name, std::u
                            old.settings.texel_size));
   }
   if (old.ray_tracer != caster.description()) {
-    return bad(fmt::format("expected rows traced by {}, found those of {}", caster.description(), old.ray_tracer));
+    return bad(
+        fmt::format("expected rows traced by {}, found those of {}", caster.description(), old.ray_tracer));
   }
   return {};
 }
@@ -96,10 +98,11 @@ Result<KeptRays> KeptRays::compare(const RowsFile& old, const std::string& name,
   kept.margin_ = kMargin * largest_coordinate(geometry.positions);
   kept.match_triangles(geometry, scene, triangle_keys);
   if (kept.removed_triangles_.size() == old.triangles.size()) {
-    return fail(ErrorCode::bad_input,
-                fmt::format("{}: expected rows of an earlier {}, found those of {}, which has no triangle in common "
-                            "with it; precompute without --update",
-                            name, scene.file_name, old.scene_file));
+    return fail(
+        ErrorCode::bad_input,
+        fmt::format("{}: expected rows of an earlier {}, found those of {}, which has no triangle in common "
+                    "with it; precompute without --update",
+                    name, scene.file_name, old.scene_file));
   }
   if (old.settings.origin != geometry.origin || old.settings.offset != geometry.offset) return kept;
   if (auto cast = kept.cast_changes(geometry); !cast) return tl::unexpected(cast.error());
@@ -177,7 +180,8 @@ void KeptRays::translate(const Surfaces& surfaces, const RayCaster& caster, cons
   const auto ties = [](const std::vector<std::uint8_t>& flags, std::uint32_t t) {
     return !flags.empty() && flags[t] != 0;
   };
-  std::vector<bool> settled(geometry.triangles.size(), false);  // unchanged, and ties are looked for as before
+  std::vector<bool> settled(geometry.triangles.size(),
+                            false);  // unchanged, and ties are looked for as before
   for (std::uint32_t t = 0; t < new_triangle_.size(); ++t) {
     if (new_triangle_[t] == kNone) continue;
     settled[new_triangle_[t]] = ties(old_.ties, t) == ties(caster.ties(), new_triangle_[t]);

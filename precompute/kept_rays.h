@@ -24,8 +24,8 @@ struct OldRays {
   std::span<const EmitterHit> emitter_hits;
 };
 
-/// The rays of an earlier precompute in a scene that has changed since. A ray still meets what it met when that is
-/// still there, unchanged, and nothing new stands before it. Thread-safe.
+/// The rays of an earlier precompute in a scene that has changed since. A ray still meets what it met when
+/// that is still there, unchanged, and nothing new stands before it. Thread-safe.
 class KeptRays {
  public:
   /// Borrows the old rows. Fails (bad_input) when the rows were traced with
@@ -53,10 +53,11 @@ class KeptRays {
 
   /// Whether anything changed within `reach` metres.
   bool disturbed(const glm::vec3& position, float reach) const;
-  /// Whether nothing that was added lies between the points within `reach` of a place and those of an element.
+  /// Whether nothing that was added lies between the points within `reach` of a place and those of an
+  /// element.
   bool stands_clear(const glm::vec3& from, float reach, std::uint32_t element) const;
-  /// Of the lanes of a packet that `lanes` says, and that met what `codes` say: those that something new may stand
-  /// before.
+  /// Of the lanes of a packet that `lanes` says, and that met what `codes` say: those that something new may
+  /// stand before.
   std::uint32_t blocked(const RayPacket& packet, std::uint32_t lanes,
                         const std::array<std::uint32_t, kPacketSize>& codes) const;
   /// Of the lanes of a packet of segments (near 0, far 1): those that something new stands in.
@@ -80,18 +81,18 @@ class KeptRays {
 
   const RowsFile& old_;
   RayCodes old_codes_, codes_;
-  std::vector<std::uint32_t> new_triangle_;      ///< per old one, or kNone
-  std::vector<std::uint32_t> added_triangles_;   ///< of this scene
+  std::vector<std::uint32_t> new_triangle_;       ///< per old one, or kNone
+  std::vector<std::uint32_t> added_triangles_;    ///< of this scene
   std::vector<std::uint32_t> removed_triangles_;  ///< of the old one
   std::vector<std::string> changed_nodes_;
   std::optional<RayCaster> added_, removed_;
   Box added_bounds_;
   Ball added_ball_;
   BoxTree changes_;
-  std::vector<Ball> balls_;                ///< per element of this scene: they hold it
-  std::vector<std::uint32_t> new_codes_;   ///< per old code; empty: nothing can be kept
+  std::vector<Ball> balls_;               ///< per element of this scene: they hold it
+  std::vector<std::uint32_t> new_codes_;  ///< per old code; empty: nothing can be kept
   std::vector<std::uint64_t> first_code_, first_sample_, first_hit_;  ///< per receiver
-  float margin_ = 0.0f;                    ///< m: no two places closer than that are told apart
+  float margin_ = 0.0f;  ///< m: no two places closer than that are told apart
 };
 
 }  // namespace relume

@@ -109,11 +109,11 @@ struct Preparation {
   SenderTree senders;
   std::optional<Probing> probing;  ///< where rows are cut
 
-  Preparation(const Scene& scene, const Surfaces& surfaces, const RayCaster& caster, const SenderLookup& lookup,
-              std::uint64_t seed, RayMemory* memory)
+  Preparation(const Scene& scene, const Surfaces& surfaces, const RayCaster& caster,
+              const SenderLookup& lookup, std::uint64_t seed, RayMemory* memory)
       : emitters(possible_emitters(scene, surfaces)),
-        rows{surfaces.geometry,        caster,         lookup, emitters,
-             surfaces.cluster_count(), kSkyResolution, {},     seed,     false, memory} {
+        rows{surfaces.geometry, caster, lookup, emitters, surfaces.cluster_count(),
+             kSkyResolution,    {},     seed,   false,    memory} {
     if (memory != nullptr) memory->emitters = emitters_key(emitters);
     rows.sky_senders.resize(6 * kSkyResolution * kSkyResolution);
     std::iota(rows.sky_senders.begin(), rows.sky_senders.end(), surfaces.cluster_count());
@@ -143,8 +143,8 @@ Result<void> prepare(const Scene& scene, const PrecomputeOptions& options, const
       prepared->senders = plain_senders(kSkyResolution, surfaces.systems);
       return {};
     }
-    auto surveyed = survey(prepared->rows, surfaces.charts, surfaces.systems, lookup, prepared->emitters, counts,
-                           observer);
+    auto surveyed = survey(prepared->rows, surfaces.charts, surfaces.systems, lookup, prepared->emitters,
+                           counts, observer);
     if (!surveyed) return tl::unexpected(surveyed.error());
     if (auto ok = check_budgets(scene, surfaces, surveyed->senders.tree, surveyed->rows, plan.node_cuts); !ok)
       return ok;

@@ -67,10 +67,10 @@ struct PrecomputeOptions {
   bool auto_probes = false;
   bool directional = false;  ///< the gather matrix gets directions (core/directional_irradiance.h)
   bool keep_rows = false;    ///< the report gets rows
-  /// Rows of an earlier precompute (rows_file.h), whose sizes count as asked for where none are. Only rays that
-  /// what has changed since may have changed are traced; the model is the one that it would be without, bit for bit.
-  /// Fails (bad_input) when they were traced with another seed, texel size or ray tracer, or in a scene that has
-  /// nothing in common with this one.
+  /// Rows of an earlier precompute (rows_file.h), whose sizes count as asked for where none are. Only rays
+  /// that what has changed since may have changed are traced; the model is the one that it would be without,
+  /// bit for bit. Fails (bad_input) when they were traced with another seed, texel size or ray tracer, or in
+  /// a scene that has nothing in common with this one.
   const RowsFile* old_rows = nullptr;
   std::string old_rows_name;  ///< for messages
 };
@@ -90,8 +90,8 @@ struct PrecomputeReport {
   double cluster_size = 0.0;
   std::uint64_t rays = 0;            ///< closest-hit rays of rows
   std::uint64_t occlusion_rays = 0;  ///< towards emitters and between neighbours
-  std::uint64_t traced_rays = 0;     ///< of both kinds, those that were traced; each once, and so with kept ones
-  std::uint64_t kept_rays = 0;       ///< that old rows knew
+  std::uint64_t traced_rays = 0;  ///< of both kinds, those that were traced; each once, and so with kept ones
+  std::uint64_t kept_rays = 0;    ///< that old rows knew
   std::vector<std::string> changed_nodes;  ///< paths of those whose geometry is not that of the old rows
   std::uint64_t invalid_lumels = 0;
   std::uint64_t split_lumels = 0;

@@ -44,15 +44,15 @@ struct LowestHits {
   RayPacket::Floats distance, u, v;
 };
 
-/// The order in which triangles take a hit: first those that it lies inside of. A ray that Embree says to meet one
-/// inside is not asked again, so whatever else it might have said must lose to that one.
+/// The order in which triangles take a hit: first those that it lies inside of. A ray that Embree says to
+/// meet one inside is not asked again, so whatever else it might have said must lose to that one.
 std::uint64_t rank(const LowestHits& hits, std::uint32_t triangle, float u, float v) {
   const bool thin = !hits.flags->empty() && ((*hits.flags)[triangle] & kThin) != 0;
   return std::uint64_t{thin || near_edge(u, v) ? 1u : 0u} << 32 | triangle;
 }
 
-/// Books the first of the triangles of each ray, by rank, and lets it pass on through everything. Rays have their
-/// lanes as ids: Embree may take a packet apart.
+/// Books the first of the triangles of each ray, by rank, and lets it pass on through everything. Rays have
+/// their lanes as ids: Embree may take a packet apart.
 void keep_lowest(const RTCFilterFunctionNArguments* arguments) {
   auto& lowest = *reinterpret_cast<LowestHits*>(arguments->context);
   const unsigned n = arguments->N;
@@ -155,7 +155,8 @@ void test_pairs(void* user, RTCCollision* pairs, unsigned count) {
 /// Whether rays cannot tell a triangle from its edges. It may lie on another, and neither would be found to.
 bool thin(const Mesh& mesh, std::size_t triangle) {
   const auto c = mesh.corners(triangle);
-  const float longest = std::max({glm::length(c[1] - c[0]), glm::length(c[2] - c[1]), glm::length(c[0] - c[2])});
+  const float longest =
+      std::max({glm::length(c[1] - c[0]), glm::length(c[2] - c[1]), glm::length(c[0] - c[2])});
   return glm::length(glm::cross(c[1] - c[0], c[2] - c[0])) <= longest * mesh.largest * 0x1p-16f;
 }
 
@@ -173,7 +174,8 @@ std::vector<std::uint8_t> find_ties(RTCDevice device, const Mesh& mesh) {
   rtcReleaseGeometry(geometry);
   rtcCommitScene(boxes.get());
   rtcCollide(boxes.get(), boxes.get(), test_pairs, &search);
-  const bool any = std::any_of(search.overlaps.begin(), search.overlaps.end(), [](auto flags) { return flags != 0; });
+  const bool any =
+      std::any_of(search.overlaps.begin(), search.overlaps.end(), [](auto flags) { return flags != 0; });
   return any ? std::move(search.overlaps) : std::vector<std::uint8_t>();
 }
 
@@ -269,8 +271,8 @@ LaneChoice lanes_with_ties(const RayPacket& packet, const std::vector<std::uint8
 }
 
 /// Gives hits to the first triangle, by rank, among those as far away, up to rounding.
-void settle_ties(RTCScene scene, const LaneChoice& lanes, float largest, const std::vector<std::uint8_t>& flags,
-                 AlphaTest alpha, RayPacket& packet) {
+void settle_ties(RTCScene scene, const LaneChoice& lanes, float largest,
+                 const std::vector<std::uint8_t>& flags, AlphaTest alpha, RayPacket& packet) {
   LowestHits lowest;
   lowest.flags = &flags;
   lowest.query = start_query(alpha);
@@ -302,7 +304,7 @@ struct RayCaster::Scene {
   EmbreeScene scene;
   std::string description;
   std::vector<std::uint8_t> ties;  ///< flags of each triangle; empty: none has any
-  float largest = 0.0f;                ///< coordinate
+  float largest = 0.0f;            ///< coordinate
 };
 
 RayCaster::RayCaster(std::unique_ptr<Scene> scene) : scene_(std::move(scene)) {}
@@ -362,7 +364,8 @@ void RayCaster::settle(RayPacket& packet, std::uint32_t lanes) const {
   LaneChoice ties;
   for (int lane = 0; lane < kPacketSize; ++lane)
     ties[lane] = (lanes >> lane & 1u) != 0 && packet.triangle[lane] != kNoTriangle ? -1 : 0;
-  if (ties.any()) settle_ties(scene_->scene.get(), ties, scene_->largest, scene_->ties, AlphaTest::coin, packet);
+  if (ties.any())
+    settle_ties(scene_->scene.get(), ties, scene_->largest, scene_->ties, AlphaTest::coin, packet);
 }
 
 std::uint32_t RayCaster::occluded(RayPacket& packet) const {

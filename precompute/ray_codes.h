@@ -8,11 +8,12 @@
 
 namespace relume {
 
-/// What a ray met, as one number: a cell of the sky, the back or the bare front of a triangle (one without elements),
-/// or an element.
+/// What a ray met, as one number: a cell of the sky, the back or the bare front of a triangle (one without
+/// elements), or an element.
 struct RayCodes {
   static constexpr std::uint32_t kUnknown = 0;  ///< not traced
-  static constexpr std::uint32_t kNoRay = 1;    ///< a wall stands between the middle of the receiver and the origin
+  static constexpr std::uint32_t kNoRay =
+      1;  ///< a wall stands between the middle of the receiver and the origin
   static constexpr std::uint32_t kFirstCell = 2;
   static constexpr std::uint32_t kSkyResolution = 8;  ///< core/sky.h
 

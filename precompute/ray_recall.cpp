@@ -29,7 +29,8 @@ void RayRecall::begin(std::uint64_t identity, const Receiver& receiver, std::uin
   old_.reset();
   if (memory_.kept == nullptr) return;
   // Whether an origin belongs to a walled receiver depends on what stands around it.
-  const bool moved = receiver.walled() && memory_.kept->disturbed(receiver.middle().position, 3.0f * receiver.reach());
+  const bool moved =
+      receiver.walled() && memory_.kept->disturbed(receiver.middle().position, 3.0f * receiver.reach());
   if (!moved) old_ = memory_.kept->find(identity);
   middle_ = receiver.middle().position, reach_ = receiver.reach();
   old_samples_ = memory_.kept->emitters() == memory_.emitters;
@@ -56,8 +57,8 @@ void RayRecall::end() {
   known_ = nullptr;
 }
 
-bool RayRecall::tell(std::uint32_t code, std::uint32_t ray, std::span<const EmitterHit> hits, std::size_t lane,
-                     PacketSight& sight) const {
+bool RayRecall::tell(std::uint32_t code, std::uint32_t ray, std::span<const EmitterHit> hits,
+                     std::size_t lane, PacketSight& sight) const {
   const RayCodes& codes = memory_.record.codes();
   if (code < RayCodes::kFirstCell) {
     sight.place[lane] = kNoRay;
@@ -85,7 +86,8 @@ bool RayRecall::know(const RayNumbers& numbers, std::uint32_t asked, PacketSight
   for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
     if ((asked >> lane & 1u) == 0) continue;
     const std::uint32_t ray = numbers[lane];
-    std::uint32_t code = ray < known_->rays ? load_code(known_->codes.data(), width, ray) : RayCodes::kUnknown;
+    std::uint32_t code =
+        ray < known_->rays ? load_code(known_->codes.data(), width, ray) : RayCodes::kUnknown;
     if (code == RayCodes::kUnknown) {
       if (!old_) return false;
       code = memory_.kept->code(*old_, ray);
@@ -131,7 +133,8 @@ std::uint32_t RayRecall::recall_old(const RayNumbers& numbers, std::uint32_t ask
   for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
     if ((asked >> lane & 1u) == 0) continue;
     codes[lane] = memory_.kept->code(*old_, numbers[lane]);
-    if (codes[lane] == RayCodes::kUnknown || !tell(codes[lane], numbers[lane], old_->emitter_hits, lane, sight)) {
+    if (codes[lane] == RayCodes::kUnknown ||
+        !tell(codes[lane], numbers[lane], old_->emitter_hits, lane, sight)) {
       continue;
     }
     told |= 1u << lane;
@@ -203,7 +206,8 @@ std::uint32_t RayRecall::recall_samples(std::uint32_t first, std::uint32_t asked
 }
 
 /// Of segments that were hidden, or visible: those that may not be any more.
-std::uint32_t RayRecall::changed_samples(const RayPacket& rays, std::uint32_t hidden, std::uint32_t visible) const {
+std::uint32_t RayRecall::changed_samples(const RayPacket& rays, std::uint32_t hidden,
+                                         std::uint32_t visible) const {
   std::uint32_t changed = 0;
   if (hidden != 0) changed |= memory_.kept->freed(rays, hidden);
   if (visible != 0 && faces_changes_) changed |= memory_.kept->newly_hidden(rays, visible);

@@ -16,12 +16,12 @@ namespace relume {
 
 /// What is known of the rays of one receiver.
 struct KnownRays {
-  std::mutex in_use;                      ///< hold it while you read or write
-  std::uint32_t rays = 0;                 ///< room for so many codes
-  std::vector<std::byte> codes;           ///< empty, or `rays` codes and kCodePadding bytes
-  std::vector<EmitterHit> emitter_hits;   ///< ascending by ray, between the rows of a receiver
+  std::mutex in_use;                     ///< hold it while you read or write
+  std::uint32_t rays = 0;                ///< room for so many codes
+  std::vector<std::byte> codes;          ///< empty, or `rays` codes and kCodePadding bytes
+  std::vector<EmitterHit> emitter_hits;  ///< ascending by ray, between the rows of a receiver
   std::vector<SampleState> samples;
-  std::uint64_t emitters = 0;             ///< key of those that the samples were drawn from
+  std::uint64_t emitters = 0;  ///< key of those that the samples were drawn from
 };
 
 /// Grows while rays are traced: whoever asks again for a ray need not trace it. Thread-safe.
@@ -32,8 +32,8 @@ class RayRecord {
   const RayCodes& codes() const { return codes_; }
   /// Of a receiver, by its identity; lives as long as the record.
   KnownRays& of(std::uint64_t identity);
-  /// Everything, into `file`, whose spans then point into its own bytes; forgets it. Samples of other emitters
-  /// than settings.emitters of the file are left out.
+  /// Everything, into `file`, whose spans then point into its own bytes; forgets it. Samples of other
+  /// emitters than settings.emitters of the file are left out.
   void move_into(RowsFile& file);
 
  private:

@@ -30,7 +30,8 @@ RaySight::RaySight(const Geometry& geometry, const RayCaster& caster, const Send
 RaySight::RaySight(RaySight&&) noexcept = default;
 RaySight::~RaySight() = default;
 
-void RaySight::begin(std::uint64_t identity, const Receiver& receiver, std::uint32_t rays, std::uint32_t samples) {
+void RaySight::begin(std::uint64_t identity, const Receiver& receiver, std::uint32_t rays,
+                     std::uint32_t samples) {
   if (recall_) recall_->begin(identity, receiver, rays, samples);
 }
 

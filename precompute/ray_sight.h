@@ -20,8 +20,8 @@ struct RayMemory;
 /// Which points of a sequence the lanes of a packet are.
 using RayNumbers = std::span<const std::uint32_t, kPacketSize>;
 
-/// In place of an element, besides kNone (a surface without elements) and SenderLookup::kBlackBack: there is no ray;
-/// and, from kSky on, a cell of the sky.
+/// In place of an element, besides kNone (a surface without elements) and SenderLookup::kBlackBack: there is
+/// no ray; and, from kSky on, a cell of the sky.
 inline constexpr std::uint32_t kNoRay = kNone - 2, kSky = 0xf0000000u;
 
 inline bool sees_element(std::uint32_t place) {
@@ -48,8 +48,8 @@ struct SeenSamples {
 class RaySight {
  public:
   /// Borrows all of it; `memory` may be missing.
-  RaySight(const Geometry& geometry, const RayCaster& caster, const SenderLookup& lookup, const Emitters& emitters,
-           RayMemory* memory);
+  RaySight(const Geometry& geometry, const RayCaster& caster, const SenderLookup& lookup,
+           const Emitters& emitters, RayMemory* memory);
   RaySight(RaySight&&) noexcept;
   ~RaySight();
 
@@ -57,8 +57,8 @@ class RaySight {
   void begin(std::uint64_t identity, const Receiver& receiver, std::uint32_t rays, std::uint32_t samples);
   void end();
 
-  /// Whether it is known what all lanes `asked` see, without a look at where their rays go. Not so of possible
-  /// emitters, nor where something that moved may stand in the way.
+  /// Whether it is known what all lanes `asked` see, without a look at where their rays go. Not so of
+  /// possible emitters, nor where something that moved may stand in the way.
   bool know(const RayNumbers& numbers, std::uint32_t asked, PacketSight& sight);
 
   /// What the lanes `asked` see; the others have no ray. `own(lanes)`: those of the lanes that belong to the
@@ -71,7 +71,8 @@ class RaySight {
     book(numbers, open, rays, sight);
   }
 
-  /// Of samples [first, first + kPacketSize) of the emitters' area, the lanes `asked`: whose origin the receiver owns
+  /// Of samples [first, first + kPacketSize) of the emitters' area, the lanes `asked`: whose origin the
+  /// receiver owns
   /// (`own(lanes)`), and which see their emitter. Only `useful` ones of them have a segment to look along.
   template <class Own>
   SeenSamples see_emitters(std::uint32_t first, std::uint32_t asked, std::uint32_t useful, RayPacket& rays,
@@ -92,12 +93,13 @@ class RaySight {
   std::uint64_t kept_samples() const;
 
  private:
-  std::uint32_t recall(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays, PacketSight& sight);
+  std::uint32_t recall(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,
+                       PacketSight& sight);
   void trace(std::uint32_t lanes, RayPacket& rays, PacketSight& sight);
   void look_up(std::size_t lane, const RayPacket& rays, PacketSight& sight) const;
   void book(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays, const PacketSight& sight);
-  std::uint32_t recall_samples(std::uint32_t first, std::uint32_t asked, std::uint32_t useful, const RayPacket& rays,
-                               SeenSamples& seen);
+  std::uint32_t recall_samples(std::uint32_t first, std::uint32_t asked, std::uint32_t useful,
+                               const RayPacket& rays, SeenSamples& seen);
   std::uint32_t unhidden(std::uint32_t lanes, RayPacket& rays);
   void book_samples(std::uint32_t first, std::uint32_t lanes, const SeenSamples& seen);
 

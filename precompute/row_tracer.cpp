@@ -65,7 +65,8 @@ TracedRow RowTracer::trace(const Receiver& receiver, const SobolPoints& points, 
   area_samples_ = std::min(kMaxAreaSamples, range.count / kRaysPerAreaSample);
   choose_emitters(scene_.emitters, receiver, choice_);
   if (scene_.memory != nullptr) {
-    const std::uint32_t samples = choice_.any() ? first_sample(range, area_samples_) + area_samples_ + kPacketSize : 0;
+    const std::uint32_t samples =
+        choice_.any() ? first_sample(range, area_samples_) + area_samples_ + kPacketSize : 0;
     sight_.begin(receiver.identity(), receiver, range.first + range.count, samples);
   }
   const Totals totals = trace_hemisphere(receiver, points, range, key);
@@ -86,14 +87,15 @@ RowTracer::Totals RowTracer::trace_hemisphere(const Receiver& receiver, const So
   for (std::uint32_t first = range.first; first < range.first + range.count; first += kPacketSize) {
     look(receiver, points, key, first, packet, seen);
     for (int lane = 0; lane < kPacketSize; ++lane) {
-      if (seen.place[std::size_t(lane)] != kNoRay) count_hit(receiver, packet, seen, lane, range.count, totals);
+      if (seen.place[std::size_t(lane)] != kNoRay)
+        count_hit(receiver, packet, seen, lane, range.count, totals);
     }
   }
   return totals;
 }
 
-void RowTracer::look(const Receiver& receiver, const SobolPoints& points, std::uint64_t key, std::uint32_t first,
-                     HemispherePacket& packet, PacketSight& seen) {
+void RowTracer::look(const Receiver& receiver, const SobolPoints& points, std::uint64_t key,
+                     std::uint32_t first, HemispherePacket& packet, PacketSight& seen) {
   const std::uint32_t left = points.count() - std::min(points.count(), first);
   if (scene_.memory != nullptr && !scene_.directional &&
       sight_.know(points.numbers(first), first_lanes(left), seen))
@@ -103,8 +105,8 @@ void RowTracer::look(const Receiver& receiver, const SobolPoints& points, std::u
              [&](std::uint32_t lanes) { return owned_lanes(scene_, receiver, packet.origins, lanes); });
 }
 
-void RowTracer::count_hit(const Receiver& receiver, const HemispherePacket& packet, const PacketSight& seen, int lane,
-                          std::uint32_t ray_count, Totals& totals) {
+void RowTracer::count_hit(const Receiver& receiver, const HemispherePacket& packet, const PacketSight& seen,
+                          int lane, std::uint32_t ray_count, Totals& totals) {
   ++totals.traced;
   const std::uint32_t place = seen.place[std::size_t(lane)];
   if (place == SenderLookup::kBlackBack) ++totals.back_faces;
@@ -128,15 +130,14 @@ void RowTracer::count_hit(const Receiver& receiver, const HemispherePacket& pack
   touched_.insert(sender);
 }
 
-void RowTracer::add_emitter_hit(std::uint32_t emitter, const RayPacket& packet, const PacketSight& seen, int lane,
-                                const glm::vec3& normal, std::uint32_t ray_count) {
+void RowTracer::add_emitter_hit(std::uint32_t emitter, const RayPacket& packet, const PacketSight& seen,
+                                int lane, const glm::vec3& normal, std::uint32_t ray_count) {
   const glm::vec3 direction = direction_of(packet, lane);
   const double cos_receiver = std::max(0.0f, glm::dot(direction, normal));
   const double cos_emitter = seen.cosine[std::size_t(lane)];
   const SampleCounts counts{double(ray_count), area_samples_ * choice_.probability[emitter]};
-  const double weight =
-      ray_weight(counts, scene_.emitters.list[emitter].area, cos_receiver, cos_emitter,
-                 seen.distance[std::size_t(lane)]);
+  const double weight = ray_weight(counts, scene_.emitters.list[emitter].area, cos_receiver, cos_emitter,
+                                   seen.distance[std::size_t(lane)]);
   emitter_sums_[emitter] += weight / ray_count;
   if (scene_.directional) emitter_moments_[emitter] += weight / ray_count * glm::dvec3(direction);
 }
@@ -149,8 +150,8 @@ void RowTracer::sample_emitters(const Receiver& receiver, const PointRange& rang
   for (glm::dvec3& moment : emitter_moments_) moment *= started;
   if (!choice_.any()) return;
   const std::uint32_t start = first_sample(range, area_samples_);
-  const Connections connections{receiver, scene_.emitters, choice_,      range.count,
-                                start,    area_samples_,   scene_.geometry.offset};
+  const Connections connections{receiver,      scene_.emitters,       choice_, range.count, start,
+                                area_samples_, scene_.geometry.offset};
   std::fill(area_sums_.begin(), area_sums_.end(), 0.0);
   std::fill(area_moments_.begin(), area_moments_.end(), glm::dvec3(0.0));
   std::uint32_t owned = 0;
@@ -171,10 +172,9 @@ std::uint32_t RowTracer::add_connections(const Receiver& receiver, std::uint32_t
     if (first + lane < area_samples_) asked |= 1u << lane;
     if (packet.rays.far[lane] > 0.0f) useful |= 1u << lane;
   }
-  const SeenSamples seen =
-      sight_.see_emitters(start + first, asked, useful, packet.rays, [&](std::uint32_t lanes) {
-        return owned_lanes(scene_, receiver, packet.origins, lanes);
-      });
+  const SeenSamples seen = sight_.see_emitters(
+      start + first, asked, useful, packet.rays,
+      [&](std::uint32_t lanes) { return owned_lanes(scene_, receiver, packet.origins, lanes); });
   occlusion_rays_ += std::uint64_t(std::popcount(seen.owned & useful));
   for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
     if ((seen.visible >> lane & 1u) == 0) continue;

@@ -54,7 +54,7 @@ struct RowScene {
   std::uint32_t sky_resolution = 0;
   std::vector<std::uint32_t> sky_senders;  ///< per cell of the sky: its number among the senders
   std::uint64_t seed = 0;
-  bool directional = false;  ///< rows have moments
+  bool directional = false;     ///< rows have moments
   RayMemory* memory = nullptr;  ///< knows rays that need not be traced; none: all are
 };
 
@@ -83,7 +83,8 @@ class RowTracer {
                           std::uint64_t key);
   void look(const Receiver& receiver, const SobolPoints& points, std::uint64_t key, std::uint32_t first,
             HemispherePacket& packet, PacketSight& seen);
-  /// Of the packet, directions and origins of lanes that see a possible emitter, or of all in a directional scene.
+  /// Of the packet, directions and origins of lanes that see a possible emitter, or of all in a directional
+  /// scene.
   void count_hit(const Receiver& receiver, const HemispherePacket& packet, const PacketSight& seen, int lane,
                  std::uint32_t ray_count, Totals& totals);
   void add_emitter_hit(std::uint32_t emitter, const RayPacket& packet, const PacketSight& seen, int lane,

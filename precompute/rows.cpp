@@ -158,7 +158,7 @@ std::vector<Receiver> receivers_of(const RowScene& scene, const TracedSystem& sy
   std::vector<Receiver> receivers;
   for (const auto e : members) {
     const Element& element = system.surface.surface.elements[e];
-    receivers.push_back(Receiver::element(scene.geometry, scene.caster, system.surface.surface, element,
+    receivers.push_back(Receiver::element(scene.geometry, system.surface.surface, element,
                                           system.charts[element.chart].side));
   }
   return receivers;

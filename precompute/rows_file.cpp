@@ -112,8 +112,8 @@ Result<void> read_settings(const Reader& reader, RowsFile& rows) {
                                   rows.settings.version));
   }
   if (settings.size() != sizeof rows.settings) {
-    return reader.bad(fmt::format("section 'RINF': expected {} bytes, found {}", sizeof rows.settings,
-                                  settings.size()));
+    return reader.bad(
+        fmt::format("section 'RINF': expected {} bytes, found {}", sizeof rows.settings, settings.size()));
   }
   std::memcpy(&rows.settings, settings.data(), sizeof rows.settings);
   return {};
@@ -135,7 +135,8 @@ Result<void> read_all(const Reader& reader, RowsFile& rows) {
     return reader.bad("expected a scene whose numbers fit together, found one that does not");
   rows.emitter_hits = {reinterpret_cast<const EmitterHit*>(hits.data()), hits.size() / sizeof(EmitterHit)};
   if (!sound_receivers(rows))
-    return reader.bad("sections 'RRCV', 'RCOD', 'RSMP', 'REMH': expected as many rays as receivers have, found others");
+    return reader.bad(
+        "sections 'RRCV', 'RCOD', 'RSMP', 'REMH': expected as many rays as receivers have, found others");
   return {};
 }
 
@@ -143,7 +144,8 @@ Result<void> read_all(const Reader& reader, RowsFile& rows) {
 
 std::vector<std::byte> encode_rows(const RowsFile& rows) {
   SectionWriter writer;
-  writer.reserve(rows.codes.size() + rows.samples.size() + rows.emitter_hits.size_bytes() + (std::size_t{1} << 22));
+  writer.reserve(rows.codes.size() + rows.samples.size() + rows.emitter_hits.size_bytes() +
+                 (std::size_t{1} << 22));
   writer.add("RINF", kWhole, std::as_bytes(std::span(&rows.settings, 1)));
   writer.add("RNAM", kWhole, texts({rows.scene_file, rows.ray_tracer}));
   writer.add("RNOD", kWhole, texts(rows.nodes));

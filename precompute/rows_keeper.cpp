@@ -5,8 +5,8 @@
 
 namespace relume {
 
-RowsKeeper::RowsKeeper(const Scene& scene, std::uint64_t seed, const Surfaces& surfaces, const RayCaster& caster,
-                       const SenderLookup& lookup)
+RowsKeeper::RowsKeeper(const Scene& scene, std::uint64_t seed, const Surfaces& surfaces,
+                       const RayCaster& caster, const SenderLookup& lookup)
     : scene_(scene),
       seed_(seed),
       surfaces_(surfaces),
@@ -20,8 +20,9 @@ Result<std::unique_ptr<RowsKeeper>> RowsKeeper::start(const Scene& scene, const 
                                                       const SenderLookup& lookup, PrecomputeReport& report) {
   std::unique_ptr<RowsKeeper> keeper(new RowsKeeper(scene, options.seed, surfaces, caster, lookup));
   if (options.old_rows == nullptr) return keeper;
-  auto kept = KeptRays::compare(*options.old_rows, options.old_rows_name, scene, options.seed, report.texel_size,
-                                surfaces, caster, lookup, keeper->triangle_keys_, keeper->element_keys_);
+  auto kept =
+      KeptRays::compare(*options.old_rows, options.old_rows_name, scene, options.seed, report.texel_size,
+                        surfaces, caster, lookup, keeper->triangle_keys_, keeper->element_keys_);
   if (!kept) return tl::unexpected(kept.error());
   report.changed_nodes = kept->changed_nodes();
   keeper->kept_.emplace(std::move(*kept));

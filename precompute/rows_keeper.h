@@ -13,7 +13,8 @@
 
 namespace relume {
 
-/// Remembers the rays of a precompute, from PrecomputeOptions::old_rows on, until they become PrecomputeReport::rows.
+/// Remembers the rays of a precompute, from PrecomputeOptions::old_rows on, until they become
+/// PrecomputeReport::rows.
 class RowsKeeper {
  public:
   /// Borrows everything. Fails as KeptRays::compare does.

@@ -118,9 +118,7 @@ void SenderLookup::map_chart(const Chart& chart, const glm::uvec2& position, std
   for (std::size_t i = 0; i < chart.triangles.size(); ++i) {
     const std::uint32_t t = chart.triangles[i];
     const auto& c = chart.corners[i];
-    faces[t] = {geometry_.normals[t], c[0],
-                c[1] - c[0],          c[2] - c[0],
-                system,               std::uint16_t(position.x),
+    faces[t] = {geometry_.normals[t],     c[0], c[1] - c[0], c[2] - c[0], system, std::uint16_t(position.x),
                 std::uint16_t(position.y)};
   }
 }

@@ -31,10 +31,10 @@ struct ClusteredSurface {
 };
 
 /// Maps hits to elements, numbered through over all systems, and these to senders. Most hits cost one look
-/// into the grid of lumels, or into one four times as fine where a wall runs through or beside the lumel; where
-/// a wall cuts a cell of that too, the element is found that the hit point sees, so that no light passes under
-/// a wall. The same place of the same chart gives the same element, wherever the chart lies in its lightmap.
-/// Thread-safe.
+/// into the grid of lumels, or into one four times as fine where a wall runs through or beside the lumel;
+/// where a wall cuts a cell of that too, the element is found that the hit point sees, so that no light
+/// passes under a wall. The same place of the same chart gives the same element, wherever the chart lies in
+/// its lightmap. Thread-safe.
 class SenderLookup {
  public:
   /// Borrows everything; all must outlive it. Clusters may be made, or made anew, later: follow_clusters().
@@ -65,8 +65,8 @@ class SenderLookup {
   /// Instead of an element: the back of a single-sided surface, opaque and black.
   static constexpr std::uint32_t kBlackBack = kNone - 1;
 
-  /// The element that a ray travelling along `direction` sees where it met a triangle (seen_surface), or kNone,
-  /// or kBlackBack.
+  /// The element that a ray travelling along `direction` sees where it met a triangle (seen_surface), or
+  /// kNone, or kBlackBack.
   std::uint32_t seen(std::uint32_t triangle, float u, float v, const glm::vec3& direction) const {
     const Face& face = front_[triangle];
     const bool from_front = glm::dot(face.normal, direction) < 0.0f;
@@ -75,7 +75,8 @@ class SenderLookup {
   }
 
  private:
-  /// All that a hit asks of one side of a triangle. Coordinates over it in the chart: base + u du + v dv, lumels.
+  /// All that a hit asks of one side of a triangle. Coordinates over it in the chart: base + u du + v dv,
+  /// lumels.
   struct Face {
     glm::vec3 normal{0.0f};  ///< of the front
     glm::vec2 base{0.0f}, du{0.0f}, dv{0.0f};

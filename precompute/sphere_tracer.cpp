@@ -146,7 +146,8 @@ SphereTracer::Totals SphereTracer::trace_rays(const glm::vec3& position, const S
   return totals;
 }
 
-void SphereTracer::add_hit(const RayPacket& packet, const PacketSight& seen, std::size_t lane, Totals& totals) {
+void SphereTracer::add_hit(const RayPacket& packet, const PacketSight& seen, std::size_t lane,
+                           Totals& totals) {
   const std::uint32_t place = seen.place[lane];
   if (place == SenderLookup::kBlackBack) ++totals.back_faces;
   if (place >= SenderLookup::kBlackBack) return;

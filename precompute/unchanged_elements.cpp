@@ -17,7 +17,8 @@ constexpr int kNeighbourhood = 2;
 /// (mutual_visibility.h).
 constexpr float kLift = 0.6f;
 
-std::vector<std::uint32_t> matches(std::span<const std::uint64_t> keys, std::span<const std::uint64_t> old_keys) {
+std::vector<std::uint32_t> matches(std::span<const std::uint64_t> keys,
+                                   std::span<const std::uint64_t> old_keys) {
   std::unordered_map<std::uint64_t, std::uint32_t> old_of_key;
   old_of_key.reserve(old_keys.size());
   for (std::uint32_t e = 0; e < old_keys.size(); ++e) {
@@ -35,8 +36,10 @@ std::vector<std::uint32_t> matches(std::span<const std::uint64_t> keys, std::spa
 template <class Visit>
 void for_each_near(const SystemSurface& surface, const Element& element, Visit&& visit) {
   const int x = int(element.cell % surface.width), y = int(element.cell / surface.width);
-  for (int ny = std::max(0, y - kNeighbourhood); ny <= std::min(int(surface.height) - 1, y + kNeighbourhood); ++ny) {
-    for (int nx = std::max(0, x - kNeighbourhood); nx <= std::min(int(surface.width) - 1, x + kNeighbourhood); ++nx) {
+  for (int ny = std::max(0, y - kNeighbourhood); ny <= std::min(int(surface.height) - 1, y + kNeighbourhood);
+       ++ny) {
+    for (int nx = std::max(0, x - kNeighbourhood); nx <= std::min(int(surface.width) - 1, x + kNeighbourhood);
+         ++nx) {
       const std::size_t cell = std::size_t(ny) * surface.width + std::size_t(nx);
       for (auto e = surface.first_element[cell]; e < surface.first_element[cell + 1]; ++e) {
         if (surface.elements[e].chart == element.chart) visit(e);
@@ -47,10 +50,11 @@ void for_each_near(const SystemSurface& surface, const Element& element, Visit&&
 
 }  // namespace
 
-std::vector<std::uint32_t> unchanged_elements(
-    const Surfaces& surfaces, const SenderLookup& lookup, std::span<const std::uint64_t> keys,
-    std::span<const std::uint64_t> old_keys, const std::vector<bool>& settled,
-    const std::function<bool(std::uint32_t, float)>& disturbed) {
+std::vector<std::uint32_t> unchanged_elements(const Surfaces& surfaces, const SenderLookup& lookup,
+                                              std::span<const std::uint64_t> keys,
+                                              std::span<const std::uint64_t> old_keys,
+                                              const std::vector<bool>& settled,
+                                              const std::function<bool(std::uint32_t, float)>& disturbed) {
   const std::vector<std::uint32_t> old_of = matches(keys, old_keys);
   std::vector<std::uint32_t> result(keys.size(), kNone);
   for (std::size_t s = 0; s < surfaces.systems.size(); ++s) {

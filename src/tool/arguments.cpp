@@ -231,10 +231,11 @@ class Parser {
                "Refused before the long work when it needs more; 500M, 2G");
     command.add_flag("--rows", options.keep_rows,
                      "Also write FILE.rows: what every ray met, about 3 bytes each, for --update");
-    add_path(command, "--update", "OLD", precompute_.update,
-             "A model written with --rows: of its rays (OLD.rows) only those that what moved may have changed are "
-             "traced again; the result is that of a precompute without. Sizes are those of OLD unless given, and "
-             "FILE.rows is written");
+    add_path(
+        command, "--update", "OLD", precompute_.update,
+        "A model written with --rows: of its rays (OLD.rows) only those that what moved may have changed are "
+        "traced again; the result is that of a precompute without. Sizes are those of OLD unless given, and "
+        "FILE.rows is written");
     command.add_flag("--dry-run", precompute_.dry_run,
                      "Estimate rows, form factors, bytes, time and memory; writes nothing");
   }

@@ -20,7 +20,8 @@ void say_update(const PrecomputeReport& report, Console& console) {
   constexpr std::size_t kNodesNamed = 5;
   const auto& nodes = report.changed_nodes;
   const std::size_t shown = std::min(nodes.size(), kNodesNamed);
-  console.say(fmt::format("  {:.2f} of {:.1f} million rays traced again; {}{}{}", 1e-6 * double(report.traced_rays),
+  console.say(fmt::format("  {:.2f} of {:.1f} million rays traced again; {}{}{}",
+                          1e-6 * double(report.traced_rays),
                           1e-6 * double(report.traced_rays + report.kept_rays),
                           nodes.empty() ? "no geometry has changed" : "changed: ",
                           fmt::join(nodes.begin(), nodes.begin() + std::ptrdiff_t(shown), ", "),

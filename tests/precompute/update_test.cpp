@@ -16,14 +16,15 @@ using P = glm::dvec3;
 
 /// What differs between the scenes of these tests.
 struct Room {
-  P box{1.03, 0.0, 0.57};    ///< lower corner of a cabinet
-  bool stool = false;        ///< one more thing, before all others
-  bool pane = true;          ///< a see-through pane and a grid
+  P box{1.03, 0.0, 0.57};  ///< lower corner of a cabinet
+  bool stool = false;      ///< one more thing, before all others
+  bool pane = true;        ///< a see-through pane and a grid
   P lamp{2.0, 1.8, 1.0};
   Rgb wall{0.6}, shine{50.0};
 };
 
-/// A room without its front wall: sky, walls that things run through, a lamp, a pane that stops half of the light.
+/// A room without its front wall: sky, walls that things run through, a lamp, a pane that stops half of the
+/// light.
 Scene scene_of(const Room& room) {
   SceneBuilder b;
   const auto wall = b.material("wall", room.wall), lamp = b.material("lamp", Rgb(0.3), room.shine);
@@ -53,21 +54,21 @@ Scene scene_of(const Room& room) {
 /// Lumels, sensors and a grid of probes, full rows.
 PrecomputeOptions plain_options() {
   PrecomputeOptions options;
-  options.cluster_size = 0.3;
-  options.texel_size = 0.1;
-  options.quality = 64;
+  options.cluster_size = 0.4;
+  options.texel_size = 0.2;
+  options.quality = 32;
   options.sensors = {{"a", {2.0, 0.0, 0.3}, {0, 1, 0}}, {"b", {2.1, 1.0, 2.0}, {0, -1, 0}}};
   options.sensor_quality = 256;
   options.probe_spacing = 1.0;
   return options;
 }
 
-/// Rays and nodes as an error asks for, probes where light changes, directions.
+/// Rays and nodes as an error asks for, directions.
 PrecomputeOptions target_options() {
   PrecomputeOptions options;
-  options.texel_size = 0.15;
-  options.error = 0.1;
-  options.auto_probes = true;
+  options.texel_size = 0.4;
+  options.error = 0.3;
+  options.probe_spacing = 2.0;
   options.directional = true;
   options.sensors = plain_options().sensors;
   return options;
@@ -83,7 +84,8 @@ struct Built {
   }
 };
 
-Built build(const Room& room, PrecomputeOptions options, std::uint32_t threads = 0, const RowsFile* old = nullptr) {
+Built build(const Room& room, PrecomputeOptions options, std::uint32_t threads = 0,
+            const RowsFile* old = nullptr) {
   Built built;
   options.threads = threads;
   options.keep_rows = true;
@@ -167,14 +169,26 @@ TEST(UpdateOf, OtherProbesTracesOnlyThem) {
   EXPECT_TRUE(build(Room(), coarser, 0, &old).model == build(Room(), coarser).model) << "cut again";
 }
 
+TEST(UpdateOf, ProbesPlacedWhereLightChangesIsACleanBuild) {
+  PrecomputeOptions options = target_options();
+  options.probe_spacing = 0.0, options.auto_probes = true;
+  options.directional = false;
+  Room after;
+  after.box += P(0.31, 0.0, 0.17);
+  const RowsFile old = build(Room(), options).file();
+  const Built clean = build(after, options), updated = build(after, options, 0, &old);
+  EXPECT_TRUE(updated.model == clean.model);
+  EXPECT_TRUE(updated.rows == clean.rows);
+}
+
 TEST(UpdateOf, RowsTakesTheirSizesUnlessOthersAreAskedFor) {
   PrecomputeOptions options = plain_options();
-  options.texel_size = 0.11, options.cluster_size = 0.37;
+  options.texel_size = 0.21, options.cluster_size = 0.47;
   const RowsFile old = build(Room(), options).file();
   options.texel_size = options.cluster_size = 0.0;
   const Built updated = build(Room(), options, 0, &old);
-  EXPECT_EQ(updated.report.texel_size, 0.11);
-  EXPECT_EQ(updated.report.cluster_size, 0.37);
+  EXPECT_EQ(updated.report.texel_size, 0.21);
+  EXPECT_EQ(updated.report.cluster_size, 0.47);
 }
 
 TEST(UpdateOf, KeepingRowsChangesNothingInTheModel) {
@@ -200,10 +214,10 @@ TEST(UpdateOf, ForeignRowsAreRefused) {
   options.seed = 1;
   EXPECT_EQ(refusal(scene_of(Room()), options),
             "old.rows: expected rows of --seed 1, found those of 0; precompute without --update");
-  options.seed = 0, options.texel_size = 0.2;
+  options.seed = 0, options.texel_size = 0.3;
   EXPECT_EQ(refusal(scene_of(Room()), options),
-            "old.rows: expected rows of --texel-size 0.2, found those of 0.1; precompute without --update");
-  options.texel_size = 0.1;
+            "old.rows: expected rows of --texel-size 0.3, found those of 0.2; precompute without --update");
+  options.texel_size = 0.2;
   SceneBuilder other;
   other.add_room("other", other.material("wall", Rgb(0.5)), P(0, 0, 0), P(3, 2, 2));
   EXPECT_NE(refusal(other.scene(), options).find("no triangle in common"), std::string::npos);
