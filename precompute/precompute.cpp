@@ -331,6 +331,7 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
     auto expected = estimate_model(rows, plan, seconds_since(start), observer);
     prepared->rows.memory = keeper ? &keeper->memory() : nullptr;
     if (!expected) return tl::unexpected(expected.error());
+    if (keeper) expected->memory_bytes += keeper->memory_of(expected->rays);
     if (auto ok = check_memory(options, *expected); !ok) return tl::unexpected(ok.error());
     if (estimate != nullptr) {
       *estimate = *expected;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // A .rows file: what every ray of a precompute met, by names that outlive changes of the scene, so that the
-// next precompute need not trace again what nothing stands in the way of (src/FILE_FORMAT.md, section 6).
+// next precompute need not trace again what nothing stands in the way of (src/FILE_FORMAT.md, section 5).
 #pragma once
 
 #include <array>

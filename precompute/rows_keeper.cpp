@@ -30,6 +30,11 @@ Result<std::unique_ptr<RowsKeeper>> RowsKeeper::start(const Scene& scene, const 
   return keeper;
 }
 
+std::uint64_t RowsKeeper::memory_of(std::uint64_t rays) const {
+  // As they are, and once more in the file's bytes; those of the old file are there already.
+  return 2 * rays * memory_.record.codes().width();
+}
+
 std::vector<std::byte> RowsKeeper::finish(const PrecomputeReport& report) {
   const Geometry& geometry = surfaces_.geometry;
   RowsFile file;
