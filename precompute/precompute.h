@@ -90,8 +90,8 @@ struct PrecomputeReport {
   double cluster_size = 0.0;
   std::uint64_t rays = 0;            ///< closest-hit rays of rows
   std::uint64_t occlusion_rays = 0;  ///< towards emitters and between neighbours
-  std::uint64_t traced_rays = 0;  ///< of both kinds, those that were traced; each once, and so with kept ones
-  std::uint64_t kept_rays = 0;    ///< that old rows knew
+  std::uint64_t traced_rays = 0;     ///< of both kinds, those that were traced; each once where rows are kept
+  std::uint64_t kept_rays = 0;       ///< that old rows knew
   std::vector<std::string> changed_nodes;  ///< paths of those whose geometry is not that of the old rows
   std::uint64_t invalid_lumels = 0;
   std::uint64_t split_lumels = 0;

@@ -14,18 +14,22 @@ bool before(const EmitterHit& hit, std::uint32_t ray) {
 
 }  // namespace
 
-void RayRecall::begin(std::uint64_t identity, const Receiver& receiver, std::uint32_t rays,
-                      std::uint32_t samples) {
-  known_ = &memory_.record.of(identity);
+void RayRecall::open_record(std::uint64_t identity, std::uint32_t rays, std::uint32_t samples) {
+  known_ = &memory_.record->of(identity);
   lock_ = std::unique_lock(known_->in_use);
   if (known_->rays < rays) {
     known_->rays = rays;
-    known_->codes.resize(std::size_t{rays} * memory_.record.codes().width() + kCodePadding, std::byte{0});
+    known_->codes.resize(std::size_t{rays} * memory_.codes.width() + kCodePadding, std::byte{0});
   }
   if (known_->emitters != memory_.emitters) known_->samples.clear();
   known_->emitters = memory_.emitters;
   if (known_->samples.size() < samples) known_->samples.resize(samples, SampleState::unknown);
   sorted_hits_ = known_->emitter_hits.size();
+}
+
+void RayRecall::begin(std::uint64_t identity, const Receiver& receiver, std::uint32_t rays,
+                      std::uint32_t samples) {
+  if (memory_.record) open_record(identity, rays, samples);
   old_.reset();
   if (memory_.kept == nullptr) return;
   // Whether an origin belongs to a walled receiver depends on what stands around it.
@@ -50,6 +54,7 @@ bool RayRecall::faces_changes(const Receiver& receiver) const {
 }
 
 void RayRecall::end() {
+  if (known_ == nullptr) return;
   std::sort(known_->emitter_hits.begin(), known_->emitter_hits.end(),
             [](const EmitterHit& a, const EmitterHit& b) { return a.ray < b.ray; });
   lock_.unlock();
@@ -59,7 +64,7 @@ void RayRecall::end() {
 
 bool RayRecall::tell(std::uint32_t code, std::uint32_t ray, std::span<const EmitterHit> hits,
                      std::size_t lane, PacketSight& sight) const {
-  const RayCodes& codes = memory_.record.codes();
+  const RayCodes& codes = memory_.codes;
   if (code < RayCodes::kFirstCell) {
     sight.place[lane] = kNoRay;
     return code == RayCodes::kNoRay;
@@ -79,15 +84,18 @@ bool RayRecall::tell(std::uint32_t code, std::uint32_t ray, std::span<const Emit
   return true;
 }
 
+std::uint32_t RayRecall::known_code(std::uint32_t ray) const {
+  if (known_ == nullptr || ray >= known_->rays) return RayCodes::kUnknown;
+  return load_code(known_->codes.data(), memory_.codes.width(), ray);
+}
+
 bool RayRecall::know(const RayNumbers& numbers, std::uint32_t asked, PacketSight& sight) {
-  const std::uint32_t width = memory_.record.codes().width();
   std::array<std::uint32_t, kPacketSize> codes{};
   std::uint32_t old = 0, shot = 0;
   for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
     if ((asked >> lane & 1u) == 0) continue;
     const std::uint32_t ray = numbers[lane];
-    std::uint32_t code =
-        ray < known_->rays ? load_code(known_->codes.data(), width, ray) : RayCodes::kUnknown;
+    std::uint32_t code = known_code(ray);
     if (code == RayCodes::kUnknown) {
       if (!old_) return false;
       code = memory_.kept->code(*old_, ray);
@@ -98,7 +106,7 @@ bool RayRecall::know(const RayNumbers& numbers, std::uint32_t asked, PacketSight
     codes[lane] = code;
     if (code != RayCodes::kNoRay) shot |= 1u << lane;
   }
-  for (std::size_t lane = 0; lane < std::size_t(kPacketSize) && old != 0; ++lane) {
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize) && known_ != nullptr; ++lane) {
     if ((old >> lane & 1u) != 0) book_code(numbers[lane], codes[lane]);
   }
   kept_rays_ += std::uint64_t(std::popcount(old & shot));
@@ -108,18 +116,18 @@ bool RayRecall::know(const RayNumbers& numbers, std::uint32_t asked, PacketSight
 /// Whether nothing new can stand before what the receiver saw, wherever on both the ray began and ended.
 bool RayRecall::stands_clear(std::uint32_t code) const {
   if (!faces_changes_ || code == RayCodes::kNoRay) return true;
-  const RayCodes& codes = memory_.record.codes();
+  const RayCodes& codes = memory_.codes;
   return codes.is_element(code) && memory_.kept->stands_clear(middle_, reach_, code - codes.first_element());
 }
 
 std::uint32_t RayRecall::recall(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,
                                 PacketSight& sight) {
-  const std::uint32_t width = memory_.record.codes().width();
-  const std::span<const EmitterHit> hits(known_->emitter_hits.data(), sorted_hits_);
+  std::span<const EmitterHit> hits;
+  if (known_ != nullptr) hits = std::span(known_->emitter_hits).first(sorted_hits_);
   std::uint32_t answered = 0;
   for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
-    if ((asked >> lane & 1u) == 0 || numbers[lane] >= known_->rays) continue;
-    const std::uint32_t code = load_code(known_->codes.data(), width, numbers[lane]);
+    if ((asked >> lane & 1u) == 0) continue;
+    const std::uint32_t code = known_code(numbers[lane]);
     if (code != RayCodes::kUnknown && tell(code, numbers[lane], hits, lane, sight)) answered |= 1u << lane;
   }
   if (old_ && answered != asked) answered |= recall_old(numbers, asked & ~answered, rays, sight);
@@ -142,17 +150,21 @@ std::uint32_t RayRecall::recall_old(const RayNumbers& numbers, std::uint32_t ask
   }
   if (faces_changes_) told &= ~memory_.kept->blocked(rays, shot, codes);
   kept_rays_ += std::uint64_t(std::popcount(told & shot));
-  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize) && known_ != nullptr; ++lane) {
     if ((told >> lane & 1u) == 0) continue;
     book_code(numbers[lane], codes[lane]);
-    if (sees_element(sight.place[lane]) && emitters_.contain(lookup_.sender_of(sight.place[lane])))
-      known_->emitter_hits.push_back({numbers[lane], sight.distance[lane], sight.cosine[lane]});
+    book_emitter_hit(numbers[lane], lane, sight);
   }
   return told;
 }
 
+void RayRecall::book_emitter_hit(std::uint32_t ray, std::size_t lane, const PacketSight& sight) {
+  if (sees_element(sight.place[lane]) && emitters_.contain(lookup_.sender_of(sight.place[lane])))
+    known_->emitter_hits.push_back({ray, sight.distance[lane], sight.cosine[lane]});
+}
+
 void RayRecall::book_code(std::uint32_t ray, std::uint32_t code) {
-  const std::uint32_t width = memory_.record.codes().width();
+  const std::uint32_t width = memory_.codes.width();
   if (ray >= known_->rays) {
     known_->rays = ray + 1;
     known_->codes.resize(std::size_t{known_->rays} * width + kCodePadding, std::byte{0});
@@ -162,20 +174,16 @@ void RayRecall::book_code(std::uint32_t ray, std::uint32_t code) {
 
 void RayRecall::book(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays,
                      const PacketSight& sight) {
-  const RayCodes& codes = memory_.record.codes();
-  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
+  const RayCodes& codes = memory_.codes;
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize) && known_ != nullptr; ++lane) {
     if ((lanes >> lane & 1u) == 0) continue;
     const std::uint32_t place = sight.place[lane];
-    if (sees_element(place)) {
-      book_code(numbers[lane], codes.element(place));
-      if (emitters_.contain(lookup_.sender_of(place)))
-        known_->emitter_hits.push_back({numbers[lane], sight.distance[lane], sight.cosine[lane]});
-    } else {
-      book_code(numbers[lane], place == kNoRay                     ? RayCodes::kNoRay
-                               : sees_sky(place)                   ? RayCodes::kFirstCell + (place - kSky)
-                               : place == SenderLookup::kBlackBack ? codes.back(rays.triangle[lane])
-                                                                   : codes.bare(rays.triangle[lane]));
-    }
+    book_code(numbers[lane], sees_element(place)                 ? codes.element(place)
+                             : sees_sky(place)                   ? RayCodes::kFirstCell + (place - kSky)
+                             : place == kNoRay                   ? RayCodes::kNoRay
+                             : place == SenderLookup::kBlackBack ? codes.back(rays.triangle[lane])
+                                                                 : codes.bare(rays.triangle[lane]));
+    book_emitter_hit(numbers[lane], lane, sight);
   }
 }
 
@@ -185,7 +193,7 @@ std::uint32_t RayRecall::recall_samples(std::uint32_t first, std::uint32_t asked
   std::uint32_t old_hidden = 0, old_visible = 0, answered = 0, old = 0;
   for (std::uint32_t lane = 0; lane < std::uint32_t(kPacketSize); ++lane) {
     if ((asked >> lane & 1u) == 0) continue;
-    states[lane] = known_->samples[first + lane];
+    if (known_ != nullptr) states[lane] = known_->samples[first + lane];
     if (states[lane] == SampleState::unknown && old_ && old_samples_) {
       states[lane] = memory_.kept->sample(*old_, first + lane);
       old |= states[lane] == SampleState::unknown ? 0u : 1u << lane;
@@ -197,7 +205,7 @@ std::uint32_t RayRecall::recall_samples(std::uint32_t first, std::uint32_t asked
   answered &= ~changed_samples(rays, old_hidden & useful, old_visible & useful);
   for (std::uint32_t lane = 0; lane < std::uint32_t(kPacketSize); ++lane) {
     if ((answered >> lane & 1u) == 0) continue;
-    known_->samples[first + lane] = states[lane];
+    if (known_ != nullptr) known_->samples[first + lane] = states[lane];
     if (states[lane] != SampleState::foreign) seen.owned |= 1u << lane;
     if (states[lane] == SampleState::visible) seen.visible |= 1u << lane;
   }
@@ -215,7 +223,7 @@ std::uint32_t RayRecall::changed_samples(const RayPacket& rays, std::uint32_t hi
 }
 
 void RayRecall::book_samples(std::uint32_t first, std::uint32_t lanes, const SeenSamples& seen) {
-  for (std::uint32_t lane = 0; lane < std::uint32_t(kPacketSize); ++lane) {
+  for (std::uint32_t lane = 0; lane < std::uint32_t(kPacketSize) && known_ != nullptr; ++lane) {
     if ((lanes >> lane & 1u) == 0) continue;
     known_->samples[first + lane] = (seen.owned >> lane & 1u) == 0     ? SampleState::foreign
                                     : (seen.visible >> lane & 1u) == 0 ? SampleState::hidden

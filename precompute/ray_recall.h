@@ -15,8 +15,9 @@ namespace relume {
 
 /// What a precompute remembers of rays.
 struct RayMemory {
-  RayRecord record;                ///< of those of this run
-  const KeptRays* kept = nullptr;  ///< of an earlier one
+  RayCodes codes;
+  std::optional<RayRecord> record;  ///< of those of this run, where they are to be kept
+  const KeptRays* kept = nullptr;   ///< of an earlier one
   std::uint64_t emitters = 0;  ///< key of the possible emitters (geometry_keys.h) that samples are drawn from
 };
 
@@ -56,7 +57,10 @@ class RayRecall {
             PacketSight& sight) const;
   std::uint32_t recall_old(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,
                            PacketSight& sight);
+  std::uint32_t known_code(std::uint32_t ray) const;
+  void open_record(std::uint64_t identity, std::uint32_t rays, std::uint32_t samples);
   void book_code(std::uint32_t ray, std::uint32_t code);
+  void book_emitter_hit(std::uint32_t ray, std::size_t lane, const PacketSight& sight);
   bool faces_changes(const Receiver& receiver) const;
   bool stands_clear(std::uint32_t code) const;
   std::uint32_t changed_samples(const RayPacket& rays, std::uint32_t hidden, std::uint32_t visible) const;
@@ -64,7 +68,7 @@ class RayRecall {
   RayMemory& memory_;
   const Emitters& emitters_;
   const SenderLookup& lookup_;
-  KnownRays* known_ = nullptr;
+  KnownRays* known_ = nullptr;  ///< none without a record
   std::unique_lock<std::mutex> lock_;
   std::size_t sorted_hits_ = 0;  ///< of known_
   std::optional<OldRays> old_;

@@ -29,7 +29,6 @@ class RayRecord {
  public:
   explicit RayRecord(const RayCodes& codes) : codes_(codes), shelves_(kShelves) {}
 
-  const RayCodes& codes() const { return codes_; }
   /// Of a receiver, by its identity; lives as long as the record.
   KnownRays& of(std::uint64_t identity);
   /// Everything, into `file`, whose spans then point into its own bytes; forgets it. Samples of other

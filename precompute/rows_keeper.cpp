@@ -13,12 +13,13 @@ RowsKeeper::RowsKeeper(const Scene& scene, std::uint64_t seed, const Surfaces& s
       caster_(caster),
       triangle_keys_(triangle_keys(surfaces.geometry)),
       element_keys_(element_keys(triangle_keys_, surfaces.charts, surfaces.layouts, surfaces.systems)),
-      memory_{RayRecord({std::uint32_t(triangle_keys_.size()), lookup.element_count()}), nullptr, 0} {}
+      memory_{{std::uint32_t(triangle_keys_.size()), lookup.element_count()}, std::nullopt, nullptr, 0} {}
 
 Result<std::unique_ptr<RowsKeeper>> RowsKeeper::start(const Scene& scene, const PrecomputeOptions& options,
                                                       const Surfaces& surfaces, const RayCaster& caster,
                                                       const SenderLookup& lookup, PrecomputeReport& report) {
   std::unique_ptr<RowsKeeper> keeper(new RowsKeeper(scene, options.seed, surfaces, caster, lookup));
+  if (options.keep_rows) keeper->memory_.record.emplace(keeper->memory_.codes);
   if (options.old_rows == nullptr) return keeper;
   auto kept =
       KeptRays::compare(*options.old_rows, options.old_rows_name, scene, options.seed, report.texel_size,
@@ -32,7 +33,7 @@ Result<std::unique_ptr<RowsKeeper>> RowsKeeper::start(const Scene& scene, const 
 
 std::uint64_t RowsKeeper::memory_of(std::uint64_t rays) const {
   // As they are, and once more in the file's bytes; those of the old file are there already.
-  return 2 * rays * memory_.record.codes().width();
+  return memory_.record ? 2 * rays * memory_.codes.width() : 0;
 }
 
 std::vector<std::byte> RowsKeeper::finish(const PrecomputeReport& report) {
@@ -49,7 +50,7 @@ std::vector<std::byte> RowsKeeper::finish(const PrecomputeReport& report) {
   file.triangle_keys = std::move(triangle_keys_), file.triangle_nodes = geometry.node;
   file.ties = caster_.ties();
   file.element_keys = std::move(element_keys_);
-  memory_.record.move_into(file);
+  memory_.record->move_into(file);
   return encode_rows(file);
 }
 

@@ -25,7 +25,7 @@ class RowsKeeper {
   RayMemory& memory() { return memory_; }
   /// Bytes that so many rays take at most, until their file is written.
   std::uint64_t memory_of(std::uint64_t rays) const;
-  /// The bytes of a .rows file. Forgets the rays.
+  /// The bytes of a .rows file, where options ask to keep rows. Forgets the rays.
   std::vector<std::byte> finish(const PrecomputeReport& report);
 
  private:

@@ -234,8 +234,7 @@ class Parser {
     add_path(
         command, "--update", "OLD", precompute_.update,
         "A model written with --rows: of its rays (OLD.rows) only those that what moved may have changed are "
-        "traced again; the result is that of a precompute without. Sizes are those of OLD unless given, and "
-        "FILE.rows is written");
+        "traced again; the result is that of a precompute without. Sizes are those of OLD unless given");
     command.add_flag("--dry-run", precompute_.dry_run,
                      "Estimate rows, form factors, bytes, time and memory; writes nothing");
   }

@@ -159,7 +159,6 @@ Result<int> run(const PrecomputeArguments& arguments, Console& console) {
   const Result<std::optional<RowsFile>> old_rows = read_old_rows(arguments);
   if (!old_rows) return tl::unexpected(old_rows.error());
   if (*old_rows) {
-    options.keep_rows = true;
     options.old_rows = &**old_rows, options.old_rows_name = rows_of(*arguments.update).string();
   }
   const Result<Scene> scene = load_scene(arguments.scene);

@@ -85,10 +85,10 @@ struct Built {
 };
 
 Built build(const Room& room, PrecomputeOptions options, std::uint32_t threads = 0,
-            const RowsFile* old = nullptr) {
+            const RowsFile* old = nullptr, bool keep_rows = true) {
   Built built;
   options.threads = threads;
-  options.keep_rows = true;
+  options.keep_rows = keep_rows;
   options.old_rows = old, options.old_rows_name = "old.rows";
   const auto model = precompute(scene_of(room), options, built.report);
   EXPECT_TRUE(model) << model.error().message;
@@ -110,6 +110,7 @@ Built expect_clean(const Room& before, const Room& after, Options options) {
     EXPECT_TRUE(updated.model == clean.model) << threads << " threads";
     EXPECT_TRUE(updated.rows == clean.rows) << threads << " threads";
   }
+  EXPECT_TRUE(build(after, options(), 0, &old, /*keep_rows=*/false).model == clean.model);
   return updated;
 }
 
@@ -131,7 +132,8 @@ TEST_P(Update, OfAnAddedThingAndOfOneTakenAwayIsACleanBuild) {
   EXPECT_EQ(expect_clean(with, without, GetParam()).report.changed_nodes, std::vector<std::string>{"stool"});
 }
 
-INSTANTIATE_TEST_SUITE_P(Precompute, Update, testing::Values(plain_options, target_options));
+INSTANTIATE_TEST_SUITE_P(Precompute, Update, testing::Values(plain_options, target_options),
+                         [](const auto& of) { return of.param == plain_options ? "plain" : "target"; });
 
 TEST(UpdateOf, PanesAndLampsThatMoveIsACleanBuild) {
   Room without_panes, moved_lamp;

@@ -22,7 +22,7 @@ TEST(UpdateFiles, OfAnUnchangedSceneIsTheSameFileAndTracesNoRow) {
   const Precomputed old = precomputed("furnace_box", kRows);
   const std::string file = update_of(old, "new.relume");
   const nlohmann::json done =
-      relume_json({"precompute", old.scene, "-o", file, "--quality", "64", "--update", old.file});
+      relume_json({"precompute", old.scene, "-o", file, "--quality", "64", "--rows", "--update", old.file});
   EXPECT_EQ(read_text(file), read_text(old.file));
   EXPECT_EQ(read_text(file + ".rows"), read_text(old.file + ".rows"));
   EXPECT_TRUE(done.at("changed_nodes").empty());
@@ -34,7 +34,7 @@ TEST(UpdateFiles, OfAnUnchangedSceneIsTheSameFileAndTracesNoRow) {
 TEST(UpdateFiles, AskedToUpdateThemselvesGoOnAsTheyWere) {
   const Precomputed old = precomputed("furnace_box", kRows);
   const std::string model = read_text(old.file), rows = read_text(old.file + ".rows");
-  relume_json({"precompute", old.scene, "-o", old.file, "--quality", "64", "--update", old.file});
+  relume_json({"precompute", old.scene, "-o", old.file, "--quality", "64", "--rows", "--update", old.file});
   EXPECT_EQ(read_text(old.file), model);
   EXPECT_EQ(read_text(old.file + ".rows"), rows);
 }
