@@ -3,6 +3,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <bit>
 #include <unordered_map>
 
@@ -44,31 +45,17 @@ std::vector<std::uint64_t> map_keys(const Opacity& opacity) {
   return keys;
 }
 
-std::uint64_t chart_key(const std::vector<std::uint64_t>& triangles, const Chart& chart) {
+std::uint64_t chart_key(const Geometry& geometry, const std::vector<std::uint64_t>& triangles,
+                        const Chart& chart) {
   Key key(std::uint64_t(chart.side));
   key.add(std::uint64_t{chart.width} << 32 | chart.height);
+  std::vector<std::uint32_t> materials;  // what counts is which triangles share one
   for (std::size_t i = 0; i < chart.triangles.size(); ++i) {
-    key.add(triangles[chart.triangles[i]]);
+    const std::uint32_t material = geometry.material[chart.triangles[i]];
+    const auto known = std::find(materials.begin(), materials.end(), material);
+    key.add(triangles[chart.triangles[i]]).add(std::uint64_t(known - materials.begin()));
+    if (known == materials.end()) materials.push_back(material);
     for (const glm::vec2& corner : chart.corners[i]) key.add(corner);
-  }
-  return key.value();
-}
-
-/// Of one element of its cell's.
-std::uint64_t element_key(const std::vector<std::uint64_t>& triangles, const SystemSurface& surface,
-                          const Element& element, std::uint64_t chart, const glm::uvec2& position,
-                          std::uint32_t number) {
-  const std::uint32_t x = element.cell % surface.width - position.x,
-                      y = element.cell / surface.width - position.y;
-  const std::uint32_t first = surface.first_element[element.cell],
-                      last = surface.first_element[element.cell + 1];
-  Key key(chart);
-  key.add(std::uint64_t{x} << 32 | y).add(std::uint64_t{number - first} << 32 | (last - first));
-  key.add((element.walled ? 1u : 0u) + (element.split ? 2u : 0u));
-  for (std::uint32_t p = 0; p < element.piece_count; ++p) {
-    const SurfacePiece& shape = surface.pieces[element.first_piece + p].shape;
-    key.add(triangles[shape.triangle]);
-    for (const glm::vec2& corner : shape.corners) key.add(corner);
   }
   return key.value();
 }
@@ -102,18 +89,32 @@ std::vector<std::uint64_t> triangle_keys(const Geometry& geometry) {
   return keys;
 }
 
-std::vector<std::uint64_t> element_keys(const std::vector<std::uint64_t>& triangles,
-                                        const std::vector<Chart>& charts,
-                                        const std::vector<SystemLayout>& layouts,
-                                        const std::vector<ClusteredSurface>& surfaces) {
-  std::vector<std::uint64_t> chart_keys(charts.size());
-  std::vector<glm::uvec2> positions(charts.size());
+ElementNamer::ElementNamer(const Geometry& geometry, const std::vector<std::uint64_t>& triangles,
+                           const std::vector<Chart>& charts, const std::vector<SystemLayout>& layouts)
+    : triangles_(triangles), charts_(charts.size()), positions_(charts.size()) {
   for (const SystemLayout& layout : layouts) {
-    for (std::size_t i = 0; i < layout.charts.size(); ++i) {
-      chart_keys[layout.charts[i]] = chart_key(triangles, charts[layout.charts[i]]);
-      positions[layout.charts[i]] = layout.positions[i];
-    }
+    for (std::size_t i = 0; i < layout.charts.size(); ++i) positions_[layout.charts[i]] = layout.positions[i];
   }
+  tbb::parallel_for(std::size_t{0}, charts.size(),
+                    [&](std::size_t c) { charts_[c] = chart_key(geometry, triangles, charts[c]); });
+}
+
+std::uint64_t ElementNamer::key(std::uint32_t width, const Element& element, std::span<const Piece> pieces,
+                                std::uint32_t number, std::uint32_t count) const {
+  const glm::uvec2& position = positions_[element.chart];
+  const std::uint32_t x = element.cell % width - position.x, y = element.cell / width - position.y;
+  Key key(charts_[element.chart]);
+  key.add(std::uint64_t{x} << 32 | y).add(std::uint64_t{number} << 32 | count);
+  key.add((element.walled ? 1u : 0u) + (element.split ? 2u : 0u));
+  for (const Piece& piece : pieces) {
+    key.add(triangles_[piece.shape.triangle]);
+    for (const glm::vec2& corner : piece.shape.corners) key.add(corner);
+  }
+  return key.value();
+}
+
+std::vector<std::uint64_t> element_keys(const ElementNamer& namer,
+                                        const std::vector<ClusteredSurface>& surfaces) {
   std::vector<std::uint64_t> keys;
   for (const ClusteredSurface& system : surfaces) {
     const SystemSurface& surface = system.surface;
@@ -121,8 +122,10 @@ std::vector<std::uint64_t> element_keys(const std::vector<std::uint64_t>& triang
     keys.resize(first + surface.elements.size());
     tbb::parallel_for(std::size_t{0}, surface.elements.size(), [&](std::size_t e) {
       const Element& element = surface.elements[e];
-      keys[first + e] = element_key(triangles, surface, element, chart_keys[element.chart],
-                                    positions[element.chart], std::uint32_t(e));
+      const std::span pieces = std::span(surface.pieces).subspan(element.first_piece, element.piece_count);
+      const std::uint32_t of_cell = surface.first_element[element.cell];
+      keys[first + e] = namer.key(surface.width, element, pieces, std::uint32_t(e) - of_cell,
+                                  surface.first_element[element.cell + 1] - of_cell);
     });
   }
   forget_repeats(keys);

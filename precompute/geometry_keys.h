@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "precompute/emitters.h"
@@ -16,11 +17,26 @@ namespace relume {
 /// name or colours.
 std::vector<std::uint64_t> triangle_keys(const Geometry& geometry);
 
-/// Per element of all systems: its chart, its place in it, the pieces that it is made of, and whether a wall
-/// is near. Elements that nothing tells apart (of charts that lie in each other) have 0.
-std::vector<std::uint64_t> element_keys(const std::vector<std::uint64_t>& triangles,
-                                        const std::vector<Chart>& charts,
-                                        const std::vector<SystemLayout>& layouts,
+/// Names elements by their chart (its triangles, where they lie in it, which of them share a material), their
+/// place in it, the pieces that they are made of, and whether a wall is near.
+class ElementNamer {
+ public:
+  /// Borrows the keys of the triangles.
+  ElementNamer(const Geometry& geometry, const std::vector<std::uint64_t>& triangles,
+               const std::vector<Chart>& charts, const std::vector<SystemLayout>& layouts);
+
+  /// Of the `number`-th of `count` elements of its cell, in a lightmap of this width. Never 0.
+  std::uint64_t key(std::uint32_t width, const Element& element, std::span<const Piece> pieces,
+                    std::uint32_t number, std::uint32_t count) const;
+
+ private:
+  const std::vector<std::uint64_t>& triangles_;
+  std::vector<std::uint64_t> charts_;
+  std::vector<glm::uvec2> positions_;  ///< per chart
+};
+
+/// Per element of all systems. Elements that nothing tells apart (of charts that lie in each other) have 0.
+std::vector<std::uint64_t> element_keys(const ElementNamer& namer,
                                         const std::vector<ClusteredSurface>& surfaces);
 
 /// Of all possible emitters: where they are, and in which order.

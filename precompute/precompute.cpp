@@ -194,6 +194,7 @@ struct Start {
   const RayCaster& caster;
   const Surfaces& surfaces;
   const Preparation& prepared;
+  RowsKeeper* keeper;                 ///< or nothing
   std::vector<SurfacePoint> sensors;  ///< lifted
   std::vector<ProbePoint> probes;
   ProbeVolume volume;  ///< of them
@@ -201,7 +202,7 @@ struct Start {
 
 Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& counts,
                           PrecomputeReport& report, const ProgressObserver& observer) {
-  const auto& [scene, options, caster, surfaces, prepared, sensors, probes, volume] = start;
+  const auto& [scene, options, caster, surfaces, prepared, keeper, sensors, probes, volume] = start;
   const auto rays_start = std::chrono::steady_clock::now();
   auto rows = trace_rows(prepared.rows, surfaces, prepared.senders, sensors, probes, plan, prepared.known(),
                          counts, observer);
@@ -236,8 +237,11 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
   if (!model) return model;
   add_sensors(options, rows->sensor_systems, *model);
   if (!probes.empty()) model->probe_volume = without_invalid_probes(volume, rows->probes.rows);
-  if (auto added = add_light_samples(surfaces.geometry, caster, *model); !added)
+  WholeElements whole;
+  if (keeper != nullptr) whole = keeper->known_whole(rows->orders);
+  if (auto added = add_light_samples(surfaces.geometry, caster, *model, whole); !added)
     return tl::unexpected(added.error());
+  if (keeper != nullptr) keeper->keep_whole(rows->orders, whole);
   light_model(scene, surfaces.geometry, caster, *model, report.warnings);
   if (!scene.cameras.empty()) model->camera = scene.cameras.front();
   model->provenance = {scene.file_name, "relume 0.1.0", caster.description(),
@@ -296,16 +300,22 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   if (!caster) return tl::unexpected(caster.error());
   if (observer && !observer("surfaces", 0.0))
     return fail(ErrorCode::cancelled, "stopped before the surfaces were cut");
-  auto surfaces = cut_surfaces(scene, options, *caster, std::move(geometry), report);
+  std::unique_ptr<RowsKeeper> keeper;
+  if (options.keep_rows || options.old_rows != nullptr) {
+    auto started = RowsKeeper::start(scene, options, geometry, *caster, report);
+    if (!started) return tl::unexpected(started.error());
+    keeper = std::move(*started);
+  }
+  const auto earlier = keeper ? keeper->earlier() : std::nullopt;
+  auto surfaces =
+      cut_surfaces(scene, options, *caster, std::move(geometry), report, earlier ? &*earlier : nullptr);
   if (!surfaces) return tl::unexpected(surfaces.error());
   RowPlan plan = plan_rows(options, scene);
   RowCounts counts;
   SenderLookup lookup(surfaces->geometry, surfaces->charts, surfaces->layouts, surfaces->systems, *caster);
-  std::unique_ptr<RowsKeeper> keeper;
-  if (options.keep_rows || options.old_rows != nullptr) {
-    auto started = RowsKeeper::start(scene, options, *surfaces, *caster, lookup, report);
-    if (!started) return tl::unexpected(started.error());
-    keeper = std::move(*started);
+  if (keeper) {
+    if (auto followed = keeper->follow(*surfaces, lookup, report); !followed)
+      return tl::unexpected(followed.error());
   }
   std::optional<Preparation> prepared;
   if (auto done = prepare(scene, options, *caster, plan, observer, *surfaces, lookup,
@@ -316,7 +326,7 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   follow_target(*surfaces, options, *prepared, counts, plan);
   prepared->rows.directional = options.directional;  // from here on: nothing before asks for directions
   report.seconds_rays = seconds_since(start) - report.seconds_surfaces;
-  Start rows{scene, options, *caster, *surfaces, *prepared, {}, options.probes, {}};
+  Start rows{scene, options, *caster, *surfaces, *prepared, keeper.get(), {}, options.probes, {}};
   if (options.auto_probes || options.probe_spacing > 0.0) {
     auto placed = options.auto_probes ? place_probes(prepared->rows, *prepared->probing,
                                                      std::max(options.error, kProbeError), counts, observer)

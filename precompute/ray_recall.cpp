@@ -33,19 +33,19 @@ void RayRecall::begin(std::uint64_t identity, const Receiver& receiver, std::uin
   old_.reset();
   if (memory_.kept == nullptr) return;
   // Whether an origin belongs to a walled receiver depends on what stands around it.
-  const bool moved =
-      receiver.walled() && memory_.kept->disturbed(receiver.middle().position, 3.0f * receiver.reach());
+  const bool moved = receiver.walled() &&
+                     memory_.kept->change().disturbed(receiver.middle().position, 3.0f * receiver.reach());
   if (!moved) old_ = memory_.kept->find(identity);
   middle_ = receiver.middle().position, reach_ = receiver.reach();
   old_samples_ = memory_.kept->emitters() == memory_.emitters;
-  faces_changes_ = memory_.kept->adds() && faces_changes(receiver);
+  faces_changes_ = memory_.kept->change().added().has_value() && faces_changes(receiver);
 }
 
 /// Whether some of what was added lies before the plane of the receiver.
 bool RayRecall::faces_changes(const Receiver& receiver) const {
   const SurfacePoint& at = receiver.middle();
   if (!receiver.origins().flat() || at.normal == glm::vec3(0.0f)) return true;
-  const Box& added = memory_.kept->added_bounds();
+  const Box& added = memory_.kept->change().added_bounds();
   const glm::vec3 furthest(at.normal.x > 0.0f ? added.upper.x : added.lower.x,
                            at.normal.y > 0.0f ? added.upper.y : added.lower.y,
                            at.normal.z > 0.0f ? added.upper.z : added.lower.z);

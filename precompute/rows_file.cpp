@@ -77,6 +77,7 @@ bool sound_scene(const RowsFile& rows) {
   const std::size_t triangles = rows.triangles.size();
   if (rows.triangle_keys.size() != triangles || rows.triangle_nodes.size() != triangles) return false;
   if (!rows.ties.empty() && rows.ties.size() != triangles) return false;
+  if (rows.whole_elements.size() != rows.element_keys.size()) return false;
   for (const glm::vec3& p : rows.positions) {
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return false;
   }
@@ -126,7 +127,8 @@ Result<void> read_all(const Reader& reader, RowsFile& rows) {
                      reader.read("RPOS", rows.positions) && reader.read("RTRI", rows.triangles) &&
                      reader.read("RTKY", rows.triangle_keys) && reader.read("RTND", rows.triangle_nodes) &&
                      reader.read("RTIE", rows.ties) && reader.read("RELM", rows.element_keys) &&
-                     reader.read("RRCV", rows.receivers) && names.size() == 2;
+                     reader.read("RWHL", rows.whole_elements) && reader.read("RRCV", rows.receivers) &&
+                     names.size() == 2;
   if (!whole) return reader.bad("expected sections of whole entries, found one that ends inside an entry");
   rows.scene_file = names[0], rows.ray_tracer = names[1];
   const auto hits = reader.bytes("REMH");
@@ -155,6 +157,7 @@ std::vector<std::byte> encode_rows(const RowsFile& rows) {
   writer.add_array("RTND", kWhole, rows.triangle_nodes);
   writer.add_array("RTIE", kWhole, rows.ties);
   writer.add_array("RELM", kWhole, rows.element_keys);
+  writer.add_array("RWHL", kWhole, rows.whole_elements);
   writer.add_array("RRCV", kWhole, rows.receivers);
   writer.add("RCOD", kWhole, rows.codes);
   writer.add("RSMP", kWhole, rows.samples);

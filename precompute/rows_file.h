@@ -66,6 +66,7 @@ struct RowsFile {
   std::vector<std::uint32_t> triangle_nodes;
   std::vector<std::uint8_t> ties;  ///< per triangle: RayCaster::ties
   std::vector<std::uint64_t> element_keys;
+  std::vector<std::uint8_t> whole_elements;    ///< per element: all of its light patches belong to it
   std::vector<ReceiverRecord> receivers;       ///< ascending by identity
   std::span<const std::byte> codes;            ///< of all receivers; kCodePadding bytes follow
   std::span<const std::byte> samples;          ///< of all receivers; each begins a new byte
