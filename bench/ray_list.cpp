@@ -50,8 +50,7 @@ Result<RayList> rays_of_precompute(const Scene& scene, const Geometry& geometry,
                      [&](std::uint32_t a, std::uint32_t b) { return clusters[a] < clusters[b]; });
     for (const auto e : order) {
       const Element& element = surface.elements[e];
-      const Receiver receiver =
-          Receiver::element(geometry, *caster, surface, element, charts[element.chart].side);
+      const Receiver receiver = Receiver::element(geometry, surface, element, charts[element.chart].side);
       const std::uint64_t key = mix(receiver.key(), options.seed);
       HemispherePacket packet;
       for (std::uint32_t first = 0; first < points.count(); first += kPacketSize) {

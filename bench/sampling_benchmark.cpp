@@ -89,6 +89,12 @@ void fill_random(const SamplingScene& scene, const Receiver& receiver, std::uint
   }
 }
 
+std::uint32_t sender_seen(const SenderLookup& lookup, const RayPacket& rays, std::size_t lane,
+                          const glm::vec3& direction) {
+  const std::uint32_t element = lookup.seen(rays.triangle[lane], rays.u[lane], rays.v[lane], direction);
+  return element < SenderLookup::kBlackBack ? lookup.sender_of(element) : kNone;
+}
+
 Row random_row(const SamplingScene& scene, const Receiver& receiver, std::uint32_t rays, std::uint64_t seed) {
   Row counts(sender_count(scene.rows), 0.0);
   std::uint64_t state = mix(receiver.key(), seed);
@@ -105,7 +111,7 @@ Row random_row(const SamplingScene& scene, const Receiver& receiver, std::uint32
       const std::uint32_t sender =
           r.triangle[lane] == kNoTriangle
               ? scene.rows.sky_senders[sky_cell(glm::dvec3(direction), kSkyResolution)]
-              : scene.lookup.seen(r.triangle[lane], r.u[lane], r.v[lane], direction);
+              : sender_seen(scene.lookup, r, lane, direction);
       if (sender < counts.size()) counts[sender] += 1.0;
     }
   }

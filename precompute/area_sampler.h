@@ -33,6 +33,7 @@ class AreaSampler {
   void add(const std::array<glm::vec3, 3>& corners, const glm::vec3& normal, float area);
 
   const Patch& patch(std::size_t index) const { return patches_[index]; }
+  const std::vector<Patch>& patches() const { return patches_; }
   /// Whether all patches have one normal.
   bool flat() const { return flat_; }
   float area() const { return area_above_.empty() ? 0.0f : area_above_.back(); }

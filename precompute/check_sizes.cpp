@@ -12,6 +12,9 @@
 namespace relume {
 namespace {
 
+constexpr std::uint32_t kFewestSystemLumels = 64, kMostSystemLumels = 1u << 24;
+constexpr std::uint32_t kMaxQuality = 1u << 20;
+
 /// Which root each sender stands under.
 std::vector<std::uint32_t> roots_of(const ClusterTree& tree, std::size_t senders) {
   std::vector<std::uint32_t> roots(senders, 0);
@@ -53,6 +56,36 @@ void check_system(const ClusteredSurface& system, const std::vector<std::uint32_
 }
 
 }  // namespace
+
+Result<void> check_options(const PrecomputeOptions& options) {
+  const auto bad = [](const std::string& text) { return fail(ErrorCode::usage, text); };
+  if (!(options.texel_size >= 0.0) || !std::isfinite(options.texel_size)) {
+    return bad(fmt::format("texel size {}: expected a length in metres above 0 (or 0 for automatic)",
+                           options.texel_size));
+  }
+  if (!(options.cluster_size >= 0.0) || !std::isfinite(options.cluster_size)) {
+    return bad(fmt::format("cluster size {}: expected a length in metres above 0 (or 0 for automatic)",
+                           options.cluster_size));
+  }
+  if (!(options.error >= 0.0 && options.error < 1.0)) {
+    return bad(fmt::format("error {}: expected above 0 and below 1 (5% or 0.05)", options.error));
+  }
+  if (!(options.probe_spacing >= 0.0) || !std::isfinite(options.probe_spacing)) {
+    return bad(fmt::format("probe spacing {}: expected a length in metres above 0 (or 0 for no grid)",
+                           options.probe_spacing));
+  }
+  if (options.quality != 0 && (options.quality < 8 || options.quality > kMaxQuality)) {
+    return bad(fmt::format("quality {}: expected 8 to {} rays per lumel", options.quality, kMaxQuality));
+  }
+  if (options.system_lumels < kFewestSystemLumels || options.system_lumels > kMostSystemLumels) {
+    return bad(fmt::format("system lumels {}: expected {} to {} lumels in a system", options.system_lumels,
+                           kFewestSystemLumels, kMostSystemLumels));
+  }
+  if (!(options.max_albedo > 0.0 && options.max_albedo <= 0.9999)) {
+    return bad(fmt::format("max albedo {}: expected above 0 and at most 0.9999", options.max_albedo));
+  }
+  return {};
+}
 
 Result<void> check_sizes(const PrecomputeOptions& options, const Geometry& geometry) {
   const double diagonal = double(glm::length(geometry.upper - geometry.lower));

@@ -11,6 +11,9 @@
 
 namespace relume {
 
+/// Refuses (usage) numbers out of their range.
+Result<void> check_options(const PrecomputeOptions& options);
+
 /// Refuses (usage) clusters or texels larger than the scene.
 Result<void> check_sizes(const PrecomputeOptions& options, const Geometry& geometry);
 

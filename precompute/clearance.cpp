@@ -22,8 +22,7 @@ std::vector<float> clearances(const Geometry& geometry, const RayCaster& caster,
   std::vector<float> result(surface.elements.size());
   tbb::parallel_for(std::size_t{0}, result.size(), [&](std::size_t e) {
     const Element& element = surface.elements[e];
-    const Receiver receiver =
-        Receiver::element(geometry, caster, surface, element, charts[element.chart].side);
+    const Receiver receiver = Receiver::element(geometry, surface, element, charts[element.chart].side);
     double inverse = 0.0, count = 0.0;
     HemispherePacket packet;
     for (std::uint32_t first = 0; first < kRays; first += kPacketSize) {

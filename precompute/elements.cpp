@@ -98,6 +98,7 @@ struct Cells {
   std::vector<std::uint32_t> index;  ///< per cell of the lightmap: into `whole`, or kNone
   std::vector<std::uint8_t> split;   ///< per whole: has to be looked at closely
   std::vector<std::uint8_t> walled;  ///< per whole
+  std::vector<std::uint8_t> known;   ///< per whole: it was one before, and saw its neighbours; empty: none
 };
 
 Cells gather_cells(const Geometry& geometry, const std::vector<Chart>& charts,
@@ -142,14 +143,32 @@ SurfacePoint point_of(const Element& element) {
   return {element.position, element.normal};
 }
 
+void recognise_cells(const std::vector<Piece>& pieces, const KnownCells& known, Cells& cells) {
+  cells.known.assign(cells.whole.size(), 0);
+  tbb::parallel_for(std::size_t{0}, cells.whole.size(), [&](std::size_t i) {
+    const Element& cell = cells.whole[i];
+    cells.known[i] = known.whole(cell, std::span(pieces).subspan(cell.first_piece, cell.piece_count)) ? 1 : 0;
+  });
+}
+
+/// Segments between neighbours are lifted by up to this share of their length (mutual_visibility.h).
+constexpr float kReach = 1.6f;
+
+/// Whether two cells saw each other before, and nothing changed there.
+bool still_visible(const Cells& cells, const KnownCells* known, std::size_t a, std::size_t b) {
+  if (known == nullptr || cells.known[a] == 0 || cells.known[b] == 0) return false;
+  const float distance = glm::length(cells.whole[b].position - cells.whole[a].position);
+  return !known->disturbed(cells.whole[a].position, kReach * distance);
+}
+
 /// Cells between which something stands are walled and will be split.
 void find_walls(const Geometry& geometry, const RayCaster& caster, std::uint32_t width, std::uint32_t height,
-                Cells& cells, std::atomic<std::uint64_t>& rays) {
+                const KnownCells* known, Cells& cells, std::atomic<std::uint64_t>& rays) {
   std::vector<std::vector<std::uint32_t>> blocked(cells.whole.size());
   tbb::parallel_for(std::size_t{0}, cells.whole.size(), [&](std::size_t a) {
     std::uint64_t traced = 0;
     for_each_neighbour(cells, std::uint32_t(a), width, height, [&](std::uint32_t b) {
-      if (!linkable(cells.whole[a], cells.whole[b])) return;
+      if (!linkable(cells.whole[a], cells.whole[b]) || still_visible(cells, known, a, b)) return;
       traced += 3;
       if (!mutually_visible(geometry, caster, point_of(cells.whole[a]), point_of(cells.whole[b])))
         blocked[a].push_back(b);
@@ -242,14 +261,15 @@ std::vector<Piece> cut_into_cells(const Geometry& geometry, const std::vector<Ch
 }
 
 SystemSurface make_elements(const Geometry& geometry, const std::vector<Chart>& charts,
-                            const SystemLayout& layout, const RayCaster& caster) {
+                            const SystemLayout& layout, const RayCaster& caster, const KnownCells* known) {
   SystemSurface surface;
   surface.width = layout.width;
   surface.height = layout.height;
   const auto pieces = cut_into_cells(geometry, charts, layout);
   Cells cells = gather_cells(geometry, charts, pieces, std::size_t(layout.width) * layout.height);
+  if (known != nullptr) recognise_cells(pieces, *known, cells);
   std::atomic<std::uint64_t> rays{0};
-  find_walls(geometry, caster, layout.width, layout.height, cells, rays);
+  find_walls(geometry, caster, layout.width, layout.height, known, cells, rays);
   surface.occlusion_rays = rays;
   settle_elements(geometry, charts, caster, cells, pieces, surface);
   link_elements(geometry, caster, cells, surface);

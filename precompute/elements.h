@@ -6,8 +6,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -54,8 +56,18 @@ struct SystemSurface {
   std::uint64_t occlusion_rays = 0;
 };
 
+/// What is known of cells beforehand, from an earlier precompute.
+struct KnownCells {
+  /// Whether a cell with these pieces was one element that sees its neighbours.
+  std::function<bool(const Element& cell, std::span<const Piece> pieces)> whole;
+  /// Whether anything changed so near.
+  std::function<bool(const glm::vec3& position, float reach)> disturbed;
+};
+
+/// Neighbours that are `known` to see each other are not asked; it may be missing.
 SystemSurface make_elements(const Geometry& geometry, const std::vector<Chart>& charts,
-                            const SystemLayout& layout, const RayCaster& caster);
+                            const SystemLayout& layout, const RayCaster& caster,
+                            const KnownCells* known = nullptr);
 
 /// All charts of the system cut along the lumel grid, ascending by cell.
 std::vector<Piece> cut_into_cells(const Geometry& geometry, const std::vector<Chart>& charts,

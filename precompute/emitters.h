@@ -28,6 +28,10 @@ struct Emitter {
 struct Emitters {
   std::vector<Emitter> list;
   std::vector<std::uint32_t> of_cluster;  ///< per cluster of all systems: index into `list`, or kNone
+
+  /// Index into `list` of a sender, or kNone.
+  std::uint32_t of(std::uint32_t sender) const { return list.empty() ? kNone : of_cluster[sender]; }
+  bool contain(std::uint32_t sender) const { return of(sender) != kNone; }
 };
 
 /// Clusters of materials that may emit (`material_emits`, per material) or of nodes that may (`node_emits`).

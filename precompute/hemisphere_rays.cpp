@@ -53,16 +53,25 @@ struct DirectionLanes {
 
 }  // namespace
 
-void fill_packet(const Geometry& geometry, const RayCaster& caster, const Receiver& receiver,
-                 const SobolPoints& points, std::uint64_t key, std::uint32_t first,
-                 HemispherePacket& packet) {
+void make_packet(const Geometry& geometry, const Receiver& receiver, const SobolPoints& points,
+                 std::uint64_t key, std::uint32_t first, HemispherePacket& packet) {
   SampleLanes samples;
   make_samples(points, first, key, samples);
   make_rays(samples, receiver.origins(), geometry.offset, packet.origins, packet.rays);
   for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
-    packet.used[lane] =
-        first + lane < points.count() && receiver.owns(geometry, caster, packet.origins, lane);
+    packet.used[lane] = first + lane < points.count();
     if (!packet.used[lane]) packet.rays.far[lane] = -1.0f;
+  }
+}
+
+void fill_packet(const Geometry& geometry, const RayCaster& caster, const Receiver& receiver,
+                 const SobolPoints& points, std::uint64_t key, std::uint32_t first,
+                 HemispherePacket& packet) {
+  make_packet(geometry, receiver, points, key, first, packet);
+  for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+    if (!packet.used[lane] || receiver.owns(geometry, caster, packet.origins, lane)) continue;
+    packet.used[lane] = false;
+    packet.rays.far[lane] = -1.0f;
   }
 }
 

@@ -21,6 +21,13 @@ struct HemispherePacket {
   PointLanes origins;  ///< on the surface, not lifted
   std::array<bool, kPacketSize> used;
 
+  std::uint32_t used_lanes() const {  ///< as bits
+    std::uint32_t lanes = 0;
+    for (std::uint32_t lane = 0; lane < std::uint32_t(kPacketSize); ++lane)
+      lanes |= used[lane] ? 1u << lane : 0u;
+    return lanes;
+  }
+
   /// Of the surface at the origin of a lane.
   const glm::vec3& normal(const Receiver& receiver, int lane) const {
     return receiver.origins().patch(origins.patch[std::size_t(lane)]).frame.normal;
@@ -28,7 +35,11 @@ struct HemispherePacket {
 };
 
 /// Rays of points [first, first + kPacketSize) of the sequence that belongs to `key`; `first` is a multiple
-/// of kPacketSize.
+/// of kPacketSize. All lanes up to the last point are used, walls or not.
+void make_packet(const Geometry& geometry, const Receiver& receiver, const SobolPoints& points,
+                 std::uint64_t key, std::uint32_t first, HemispherePacket& packet);
+
+/// The same, without the lanes where a wall cuts into the receiver.
 void fill_packet(const Geometry& geometry, const RayCaster& caster, const Receiver& receiver,
                  const SobolPoints& points, std::uint64_t key, std::uint32_t first, HemispherePacket& packet);
 

@@ -23,9 +23,10 @@ Result<std::vector<ProbeRow>> trace_probes(const RowScene& scene, std::span<cons
     progress.one_done();
   });
   if (progress.cancelled()) return fail(ErrorCode::cancelled, "stopped while tracing the rays of probes");
-  for (const SphereTracer& tracer : tracers)
-    counts.rays += tracer.rays(), counts.occlusion_rays += tracer.occlusion_rays(),
-        counts.probe_rays += tracer.rays() + tracer.occlusion_rays();
+  for (const SphereTracer& tracer : tracers) {
+    add_rays(tracer, counts);
+    counts.probe_rays += tracer.rays() + tracer.occlusion_rays();
+  }
   return rows;
 }
 

@@ -23,15 +23,20 @@ namespace {
 using OwnPatches = std::vector<std::vector<bool>>;
 
 OwnPatches find_own_patches(const Geometry& geometry, const RayCaster& caster, const Model& model,
-                            const System& system) {
+                            const System& system, std::vector<std::uint8_t>& whole) {
   OwnPatches own(system.elements.size());
+  whole.resize(own.size(), 0);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, own.size(), 64), [&](const auto& range) {
     for (std::size_t e = range.begin(); e < range.end(); ++e) {
       const SurfaceElement& element = system.elements[e];
-      for (const LightPatch& patch : element_patches(model, system, element)) {
+      const std::vector<LightPatch> patches = element_patches(model, system, element);
+      if (whole[e] != 0) own[e].assign(patches.size(), true);
+      for (const LightPatch& patch : patches) {
+        if (whole[e] != 0) break;
         const SurfacePoint point{glm::vec3(patch_point(patch)), glm::vec3(patch.normal)};
         own[e].push_back(mutually_visible(geometry, caster, {element.position, element.normal}, point));
       }
+      whole[e] = std::all_of(own[e].begin(), own[e].end(), [](bool owned) { return owned; }) ? 1 : 0;
     }
   });
   return own;
@@ -77,13 +82,16 @@ Geometry occluder_geometry(const Model& model) {
   return geometry;
 }
 
-Result<void> add_light_samples(const Geometry& geometry, const RayCaster& caster, Model& model) {
+Result<void> add_light_samples(const Geometry& geometry, const RayCaster& caster, Model& model,
+                               WholeElements& whole) {
+  whole.resize(model.systems.size());
   const Occluders& occluders = model.occluders;
   auto bvh = build_occluder_bvh(occluders.positions, occluders.triangles, occluders.opacity);
   if (!bvh) return tl::unexpected(bvh.error());
   model.occluders.bvh = std::move(*bvh);
-  for (System& system : model.systems) {
-    system.own_patches = as_bits(find_own_patches(geometry, caster, model, system));
+  for (std::size_t s = 0; s < model.systems.size(); ++s) {
+    System& system = model.systems[s];
+    system.own_patches = as_bits(find_own_patches(geometry, caster, model, system, whole[s]));
     system.lifted_sensors.clear();
     for (const Sensor& sensor : system.sensors) {
       system.lifted_sensors.push_back(
@@ -97,7 +105,8 @@ Result<void> add_light_samples(Model& model) {
   const auto caster =
       RayCaster::create(model.occluders.positions, model.occluders.triangles, model.occluders.opacity);
   if (!caster) return tl::unexpected(caster.error());
-  return add_light_samples(occluder_geometry(model), *caster, model);
+  WholeElements whole;
+  return add_light_samples(occluder_geometry(model), *caster, model, whole);
 }
 
 }  // namespace relume

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "core/model.h"
 #include "core/result.h"
 #include "precompute/geometry.h"
@@ -8,10 +11,15 @@
 
 namespace relume {
 
+/// Per system and element, as the model has them: whether all of its light patches belong to it.
+using WholeElements = std::vector<std::vector<std::uint8_t>>;
+
 /// What direct light at run time needs beyond surfaces and occluders: the tree of occluders, which patches
 /// belong to their elements (System::own_patches), and where sensors measure. `geometry` and `caster` are
-/// those of the occluders. Fails with out_of_memory.
-Result<void> add_light_samples(const Geometry& geometry, const RayCaster& caster, Model& model);
+/// those of the occluders. Elements that are whole, as far as is known beforehand (`whole`, or nothing), are
+/// not asked; afterwards it says which are. Fails with out_of_memory.
+Result<void> add_light_samples(const Geometry& geometry, const RayCaster& caster, Model& model,
+                               WholeElements& whole);
 
 /// The same for a model by itself.
 Result<void> add_light_samples(Model& model);

@@ -89,10 +89,7 @@ std::vector<PilotRows> trace_pilot(const RowScene& scene, const std::vector<Char
                                            mean_area, workers.local());
     });
   }
-  for (const Worker& worker : workers) {
-    counts.rays += worker.tracer.rays();
-    counts.occlusion_rays += worker.tracer.occlusion_rays();
-  }
+  for (const Worker& worker : workers) add_rays(worker.tracer, counts);
   return pilot;
 }
 

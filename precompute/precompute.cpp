@@ -15,19 +15,20 @@
 #include "precompute/check_sizes.h"
 #include "precompute/clearance.h"
 #include "precompute/estimate.h"
+#include "precompute/geometry_keys.h"
 #include "precompute/lift_sensor.h"
 #include "precompute/light_samples.h"
 #include "precompute/pilot.h"
 #include "precompute/place_probes.h"
 #include "precompute/process_memory.h"
 #include "precompute/rig.h"
+#include "precompute/rows_keeper.h"
 #include "precompute/trace_rows.h"
 
 namespace relume {
 namespace {
 
-constexpr std::uint32_t kSkyResolution = 8;
-constexpr std::uint32_t kFewestSystemLumels = 64, kMostSystemLumels = 1u << 24;
+constexpr std::uint32_t kSkyResolution = RayCodes::kSkyResolution;
 /// Clusters are made anew while their error is estimated so many times as large as its share of the target,
 /// and smaller ones lessen it to this share; a few times at most.
 constexpr double kEnough = 1.1, kWorthwhile = 0.8;
@@ -37,40 +38,9 @@ constexpr double kToldFrom = 1.2;
 /// Light between probes that are placed automatically may be off by so much, or by the error target if that
 /// is more.
 constexpr double kProbeError = 0.15;
-constexpr std::uint32_t kMaxQuality = 1u << 20;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-Result<void> check_options(const PrecomputeOptions& options) {
-  const auto bad = [](const std::string& text) { return fail(ErrorCode::usage, text); };
-  if (!(options.texel_size >= 0.0) || !std::isfinite(options.texel_size)) {
-    return bad(fmt::format("texel size {}: expected a length in metres above 0 (or 0 for automatic)",
-                           options.texel_size));
-  }
-  if (!(options.cluster_size >= 0.0) || !std::isfinite(options.cluster_size)) {
-    return bad(fmt::format("cluster size {}: expected a length in metres above 0 (or 0 for automatic)",
-                           options.cluster_size));
-  }
-  if (!(options.error >= 0.0 && options.error < 1.0)) {
-    return bad(fmt::format("error {}: expected above 0 and below 1 (5% or 0.05)", options.error));
-  }
-  if (!(options.probe_spacing >= 0.0) || !std::isfinite(options.probe_spacing)) {
-    return bad(fmt::format("probe spacing {}: expected a length in metres above 0 (or 0 for no grid)",
-                           options.probe_spacing));
-  }
-  if (options.quality != 0 && (options.quality < 8 || options.quality > kMaxQuality)) {
-    return bad(fmt::format("quality {}: expected 8 to {} rays per lumel", options.quality, kMaxQuality));
-  }
-  if (options.system_lumels < kFewestSystemLumels || options.system_lumels > kMostSystemLumels) {
-    return bad(fmt::format("system lumels {}: expected {} to {} lumels in a system", options.system_lumels,
-                           kFewestSystemLumels, kMostSystemLumels));
-  }
-  if (!(options.max_albedo > 0.0 && options.max_albedo <= 0.9999)) {
-    return bad(fmt::format("max albedo {}: expected above 0 and at most 0.9999", options.max_albedo));
-  }
-  return {};
 }
 
 std::string options_json(const PrecomputeOptions& options, const PrecomputeReport& report,
@@ -136,16 +106,16 @@ void estimate_errors(const TracedRows& rows, const Surfaces& surfaces, const Pro
 /// What rows are traced against, with clusters of one choice of sizes.
 struct Preparation {
   Emitters emitters;
-  SenderLookup lookup;
   RowScene rows;
   SenderTree senders;
   std::optional<Probing> probing;  ///< where rows are cut
 
-  Preparation(const Scene& scene, const Surfaces& surfaces, const RayCaster& caster, std::uint64_t seed)
+  Preparation(const Scene& scene, const Surfaces& surfaces, const RayCaster& caster,
+              const SenderLookup& lookup, std::uint64_t seed, RayMemory* memory)
       : emitters(possible_emitters(scene, surfaces)),
-        lookup(surfaces.geometry, surfaces.charts, surfaces.layouts, surfaces.systems, caster),
-        rows{surfaces.geometry,        caster,         lookup, emitters,
-             surfaces.cluster_count(), kSkyResolution, {},     seed} {
+        rows{surfaces.geometry, caster, lookup, emitters, surfaces.cluster_count(),
+             kSkyResolution,    {},     seed,   false,    memory} {
+    if (memory != nullptr) memory->emitters = emitters_key(emitters);
     rows.sky_senders.resize(6 * kSkyResolution * kSkyResolution);
     std::iota(rows.sky_senders.begin(), rows.sky_senders.end(), surfaces.cluster_count());
   }
@@ -157,7 +127,8 @@ struct Preparation {
 /// Clusters, and a survey where rows will be cut; with a target, clusters as small as it asks for.
 Result<void> prepare(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
                      const RowPlan& plan, const ProgressObserver& observer, Surfaces& surfaces,
-                     std::optional<Preparation>& prepared, RowCounts& counts, PrecomputeReport& report) {
+                     SenderLookup& lookup, RayMemory* memory, std::optional<Preparation>& prepared,
+                     RowCounts& counts, PrecomputeReport& report) {
   std::vector<std::vector<float>> known;
   if (plan.clearance_share > 0.0) {
     for (const ClusteredSurface& system : surfaces.systems)
@@ -166,14 +137,15 @@ Result<void> prepare(const Scene& scene, const PrecomputeOptions& options, const
   double share = plan.clearance_share, before = 0.0;
   for (int attempt = 0;; ++attempt) {
     cluster_surfaces(scene, caster, report, share, known, surfaces);
-    prepared.emplace(scene, surfaces, caster, options.seed);
+    lookup.follow_clusters();
+    prepared.emplace(scene, surfaces, caster, lookup, options.seed, memory);
     const bool too_many = sender_count(prepared->rows) > kMaxImports;  // some must be joined
     if (!plan.cut && !too_many && !options.auto_probes) {
       prepared->senders = plain_senders(kSkyResolution, surfaces.systems);
       return {};
     }
-    auto surveyed = survey(prepared->rows, surfaces.charts, surfaces.systems, prepared->lookup,
-                           prepared->emitters, counts, observer);
+    auto surveyed = survey(prepared->rows, surfaces.charts, surfaces.systems, lookup, prepared->emitters,
+                           counts, observer);
     if (!surveyed) return tl::unexpected(surveyed.error());
     if (auto ok = check_budgets(scene, surfaces, surveyed->senders.tree, surveyed->rows, plan.node_cuts); !ok)
       return ok;
@@ -223,6 +195,7 @@ struct Start {
   const RayCaster& caster;
   const Surfaces& surfaces;
   const Preparation& prepared;
+  RowsKeeper* keeper;                 ///< or nothing
   std::vector<SurfacePoint> sensors;  ///< lifted
   std::vector<ProbePoint> probes;
   ProbeVolume volume;  ///< of them
@@ -230,12 +203,13 @@ struct Start {
 
 Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& counts,
                           PrecomputeReport& report, const ProgressObserver& observer) {
-  const auto& [scene, options, caster, surfaces, prepared, sensors, probes, volume] = start;
+  const auto& [scene, options, caster, surfaces, prepared, keeper, sensors, probes, volume] = start;
   const auto rays_start = std::chrono::steady_clock::now();
   auto rows = trace_rows(prepared.rows, surfaces, prepared.senders, sensors, probes, plan, prepared.known(),
                          counts, observer);
   if (!rows) return tl::unexpected(rows.error());
   report.rays = counts.rays;
+  report.traced_rays = counts.traced + report.occlusion_rays, report.kept_rays = counts.kept;
   report.occlusion_rays += counts.occlusion_rays;
   report.seconds_rays += seconds_since(rays_start);
   report.projection = rows->projection;
@@ -265,8 +239,11 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
   if (!model) return model;
   add_sensors(options, rows->sensor_systems, *model);
   if (!probes.empty()) model->probe_volume = without_invalid_probes(volume, rows->probes.rows);
-  if (auto added = add_light_samples(surfaces.geometry, caster, *model); !added)
+  WholeElements whole;
+  if (keeper != nullptr) whole = keeper->known_whole(rows->orders);
+  if (auto added = add_light_samples(surfaces.geometry, caster, *model, whole); !added)
     return tl::unexpected(added.error());
+  if (keeper != nullptr) keeper->keep_whole(rows->orders, whole);
   light_model(scene, surfaces.geometry, caster, *model, report.warnings);
   if (!scene.cameras.empty()) model->camera = scene.cameras.front();
   model->provenance = {scene.file_name, "relume 0.1.0", caster.description(),
@@ -326,19 +303,33 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   if (!caster) return tl::unexpected(caster.error());
   if (observer && !observer("surfaces", 0.0))
     return fail(ErrorCode::cancelled, "stopped before the surfaces were cut");
-  auto surfaces = cut_surfaces(scene, options, *caster, std::move(geometry), report);
+  std::unique_ptr<RowsKeeper> keeper;
+  if (options.keep_rows || options.old_rows != nullptr) {
+    auto started = RowsKeeper::start(scene, options, geometry, *caster, report);
+    if (!started) return tl::unexpected(started.error());
+    keeper = std::move(*started);
+  }
+  const auto earlier = keeper ? keeper->earlier() : std::nullopt;
+  auto surfaces =
+      cut_surfaces(scene, options, *caster, std::move(geometry), report, earlier ? &*earlier : nullptr);
   if (!surfaces) return tl::unexpected(surfaces.error());
   RowPlan plan = plan_rows(options, scene);
   RowCounts counts;
+  SenderLookup lookup(surfaces->geometry, surfaces->charts, surfaces->layouts, surfaces->systems, *caster);
+  if (keeper) {
+    if (auto followed = keeper->follow(*surfaces, lookup, report); !followed)
+      return tl::unexpected(followed.error());
+  }
   std::optional<Preparation> prepared;
-  if (auto done = prepare(scene, options, *caster, plan, observer, *surfaces, prepared, counts, report);
+  if (auto done = prepare(scene, options, *caster, plan, observer, *surfaces, lookup,
+                          keeper ? &keeper->memory() : nullptr, prepared, counts, report);
       !done)
     return tl::unexpected(done.error());
   report.seconds_surfaces = seconds_since(start);
   follow_target(*surfaces, options, *prepared, counts, plan);
   prepared->rows.directional = options.directional;  // from here on: nothing before asks for directions
   report.seconds_rays = seconds_since(start) - report.seconds_surfaces;
-  Start rows{scene, options, *caster, *surfaces, *prepared, {}, options.probes, {}};
+  Start rows{scene, options, *caster, *surfaces, *prepared, keeper.get(), {}, options.probes, {}};
   if (options.auto_probes || options.probe_spacing > 0.0) {
     auto placed = options.auto_probes ? place_probes(prepared->rows, *prepared->probing,
                                                      std::max(options.error, kProbeError), counts, observer)
@@ -349,8 +340,11 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   for (const SensorPoint& sensor : options.sensors)
     rows.sensors.push_back(lift_sensor(surfaces->geometry, *caster, sensor.position, sensor.normal));
   if (estimate != nullptr || options.max_memory > 0) {
+    prepared->rows.memory = nullptr;  // a sample is not kept
     auto expected = estimate_model(rows, plan, seconds_since(start), observer);
+    prepared->rows.memory = keeper ? &keeper->memory() : nullptr;
     if (!expected) return tl::unexpected(expected.error());
+    if (keeper) expected->memory_bytes += keeper->memory_of(expected->rays);
     if (auto ok = check_memory(options, *expected); !ok) return tl::unexpected(ok.error());
     if (estimate != nullptr) {
       *estimate = *expected;
@@ -360,6 +354,7 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   }
   auto model = trace_model(rows, plan, counts, report, observer);
   return_free_memory();  // of rows: the file's bytes are large
+  if (model && options.keep_rows) report.rows = keeper->finish(report);
   report.seconds_total = seconds_since(start);
   report.peak_memory = peak_resident_bytes();
   return model;

@@ -18,6 +18,8 @@
 
 namespace relume {
 
+struct RowsFile;
+
 /// A sensor as given: world space; the normal need not be unit. Lifted off a surface that it lies on or just
 /// under.
 struct SensorPoint {
@@ -67,6 +69,13 @@ struct PrecomputeOptions {
   /// symmetric solvers converge. They are then held in memory together.
   bool reciprocal = false;
   bool directional = false;  ///< the gather matrix gets directions (core/directional_irradiance.h)
+  bool keep_rows = false;    ///< the report gets rows
+  /// Rows of an earlier precompute (rows_file.h), whose sizes count as asked for where none are. Only rays
+  /// that what has changed since may have changed are traced; the model is the one that it would be without,
+  /// bit for bit. Fails (bad_input) when they were traced with another seed, texel size or ray tracer, or in
+  /// a scene that has nothing in common with this one.
+  const RowsFile* old_rows = nullptr;
+  std::string old_rows_name;  ///< for messages
 };
 
 /// Estimated errors of indirect irradiance by cause, relative to its root mean square in the room.
@@ -94,6 +103,9 @@ struct PrecomputeReport {
   double cluster_size = 0.0;
   std::uint64_t rays = 0;            ///< closest-hit rays of rows
   std::uint64_t occlusion_rays = 0;  ///< towards emitters and between neighbours
+  std::uint64_t traced_rays = 0;     ///< of both kinds, those that were traced; each once where rows are kept
+  std::uint64_t kept_rays = 0;       ///< that old rows knew
+  std::vector<std::string> changed_nodes;  ///< paths of those whose geometry is not that of the old rows
   std::uint64_t invalid_lumels = 0;
   std::uint64_t split_lumels = 0;
   ErrorEstimate error;                   ///< 0 where nothing was estimated
@@ -104,6 +116,7 @@ struct PrecomputeReport {
   double seconds_total = 0.0;
   std::uint64_t peak_memory = 0;  ///< bytes that the process has had at most so far
   std::vector<std::string> warnings;
+  std::vector<std::byte> rows;  ///< where asked for: the bytes of a .rows file (rows_file.h)
 };
 
 /// The same scene and options give the same model, bit for bit, for any number of threads.

@@ -84,8 +84,7 @@ void ProbeCritic::rate(std::size_t first) {
 }
 
 void ProbeCritic::add_counts(RowCounts& counts) const {
-  for (const SphereTracer& tracer : tracers_)
-    counts.rays += tracer.rays(), counts.occlusion_rays += tracer.occlusion_rays();
+  for (const SphereTracer& tracer : tracers_) add_rays(tracer, counts);
 }
 
 /// Of those places that have no glimpse yet.

@@ -26,15 +26,33 @@ struct QueryContext {
   double transmittance = 1.0;  ///< of a query with `multiply`
 };
 
+/// Flags of a triangle: it lies on another in one plane; it is thinner than rounding can tell.
+constexpr std::uint8_t kOverlaps = 1, kThin = 2;
+
+/// A barycentric coordinate below which a hit lies at an edge.
+constexpr float kNearEdge = 1e-6f;
+
+bool near_edge(float u, float v) {
+  return std::min(std::min(u, v), 1.0f - u - v) < kNearEdge;
+}
+
 /// What the rays of a packet have met first in the order of triangles, not of distance.
 struct LowestHits {
   QueryContext query;
+  const std::vector<std::uint8_t>* flags = nullptr;  ///< per triangle; may be empty
   RayPacket::Numbers triangle;
   RayPacket::Floats distance, u, v;
 };
 
-/// Books the lowest triangle of each ray and lets it pass on through everything. Rays have their lanes as
-/// ids: Embree may take a packet apart.
+/// The order in which triangles take a hit: first those that it lies inside of. A ray that Embree says to
+/// meet one inside is not asked again, so whatever else it might have said must lose to that one.
+std::uint64_t rank(const LowestHits& hits, std::uint32_t triangle, float u, float v) {
+  const bool thin = !hits.flags->empty() && ((*hits.flags)[triangle] & kThin) != 0;
+  return std::uint64_t{thin || near_edge(u, v) ? 1u : 0u} << 32 | triangle;
+}
+
+/// Books the first of the triangles of each ray, by rank, and lets it pass on through everything. Rays have
+/// their lanes as ids: Embree may take a packet apart.
 void keep_lowest(const RTCFilterFunctionNArguments* arguments) {
   auto& lowest = *reinterpret_cast<LowestHits*>(arguments->context);
   const unsigned n = arguments->N;
@@ -43,11 +61,13 @@ void keep_lowest(const RTCFilterFunctionNArguments* arguments) {
     arguments->valid[i] = 0;
     const unsigned lane = RTCRayN_id(arguments->ray, n, i);
     const std::uint32_t triangle = RTCHitN_primID(arguments->hit, n, i);
-    if (triangle >= lowest.triangle[lane]) continue;
+    const float u = RTCHitN_u(arguments->hit, n, i), v = RTCHitN_v(arguments->hit, n, i);
+    if (lowest.triangle[lane] != kNoTriangle &&
+        rank(lowest, triangle, u, v) >= rank(lowest, lowest.triangle[lane], lowest.u[lane], lowest.v[lane]))
+      continue;
     lowest.triangle[lane] = triangle;
     lowest.distance[lane] = RTCRayN_tfar(arguments->ray, n, i);
-    lowest.u[lane] = RTCHitN_u(arguments->hit, n, i);
-    lowest.v[lane] = RTCHitN_v(arguments->hit, n, i);
+    lowest.u[lane] = u, lowest.v[lane] = v;
   }
 }
 
@@ -128,13 +148,22 @@ void test_pairs(void* user, RTCCollision* pairs, unsigned count) {
                           search.mesh.largest))
       continue;
     for (const unsigned triangle : {pair.primID0, pair.primID1})
-      std::atomic_ref(search.overlaps[triangle]).store(1, std::memory_order_relaxed);
+      std::atomic_ref(search.overlaps[triangle]).fetch_or(kOverlaps, std::memory_order_relaxed);
   }
 }
 
-/// Per triangle whether it lies on another; empty where none does.
-std::vector<std::uint8_t> find_overlaps(RTCDevice device, const Mesh& mesh) {
+/// Whether rays cannot tell a triangle from its edges. It may lie on another, and neither would be found to.
+bool thin(const Mesh& mesh, std::size_t triangle) {
+  const auto c = mesh.corners(triangle);
+  const float longest =
+      std::max({glm::length(c[1] - c[0]), glm::length(c[2] - c[1]), glm::length(c[0] - c[2])});
+  return glm::length(glm::cross(c[1] - c[0], c[2] - c[0])) <= longest * mesh.largest * 0x1p-16f;
+}
+
+/// Flags of each triangle; empty where none has any.
+std::vector<std::uint8_t> find_ties(RTCDevice device, const Mesh& mesh) {
   OverlapSearch search{mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 0)};
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) search.overlaps[t] = thin(mesh, t) ? kThin : 0;
   const EmbreeScene boxes(rtcNewScene(device));
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(mesh.triangles.size()));
@@ -145,7 +174,8 @@ std::vector<std::uint8_t> find_overlaps(RTCDevice device, const Mesh& mesh) {
   rtcReleaseGeometry(geometry);
   rtcCommitScene(boxes.get());
   rtcCollide(boxes.get(), boxes.get(), test_pairs, &search);
-  const bool any = std::find(search.overlaps.begin(), search.overlaps.end(), 1) != search.overlaps.end();
+  const bool any =
+      std::any_of(search.overlaps.begin(), search.overlaps.end(), [](auto flags) { return flags != 0; });
   return any ? std::move(search.overlaps) : std::vector<std::uint8_t>();
 }
 
@@ -215,9 +245,6 @@ static_assert(offsetof(RayPacket, near) == offsetof(RTCRayHit8, ray.tnear) &&
               offsetof(RayPacket, triangle) == offsetof(RTCRayHit8, hit.primID) &&
               offsetof(RayPacket, geometry) == offsetof(RTCRayHit8, hit.geomID));
 
-/// A barycentric coordinate below which a hit lies at an edge.
-constexpr float kNearEdge = 1e-6f;
-
 /// -1 for chosen lanes, 0 for others.
 struct alignas(32) LaneChoice : std::array<int, kPacketSize> {
   bool any() const {
@@ -231,25 +258,23 @@ LaneChoice lanes_with_rays(const RayPacket& packet) {
   return lanes;
 }
 
-/// Lanes that met a triangle at one of its edges, or one that lies on another (`overlaps` per triangle; may
-/// be empty).
-LaneChoice lanes_with_ties(const RayPacket& packet, const std::vector<std::uint8_t>& overlaps) {
+/// Lanes that met a triangle at one of its edges, or one with flags (per triangle; may be empty).
+LaneChoice lanes_with_ties(const RayPacket& packet, const std::vector<std::uint8_t>& flags) {
   LaneChoice lanes;
+  for (int lane = 0; lane < kPacketSize; ++lane)
+    lanes[lane] = packet.triangle[lane] != kNoTriangle && near_edge(packet.u[lane], packet.v[lane]) ? -1 : 0;
+  if (flags.empty()) return lanes;
   for (int lane = 0; lane < kPacketSize; ++lane) {
-    const float w = 1.0f - packet.u[lane] - packet.v[lane];
-    const float least = std::min(std::min(packet.u[lane], packet.v[lane]), w);
-    lanes[lane] = packet.triangle[lane] != kNoTriangle && least < kNearEdge ? -1 : 0;
-  }
-  if (overlaps.empty()) return lanes;
-  for (int lane = 0; lane < kPacketSize; ++lane) {
-    if (packet.triangle[lane] != kNoTriangle && overlaps[packet.triangle[lane]] != 0) lanes[lane] = -1;
+    if (packet.triangle[lane] != kNoTriangle && flags[packet.triangle[lane]] != 0) lanes[lane] = -1;
   }
   return lanes;
 }
 
-/// Gives hits to the lowest triangle among those as far away, up to rounding.
-void settle_ties(RTCScene scene, const LaneChoice& lanes, float largest, AlphaTest alpha, RayPacket& packet) {
+/// Gives hits to the first triangle, by rank, among those as far away, up to rounding.
+void settle_ties(RTCScene scene, const LaneChoice& lanes, float largest,
+                 const std::vector<std::uint8_t>& flags, AlphaTest alpha, RayPacket& packet) {
   LowestHits lowest;
+  lowest.flags = &flags;
   lowest.query = start_query(alpha);
   lowest.query.base.filter = keep_lowest;
   lowest.triangle.fill(kNoTriangle);
@@ -278,14 +303,18 @@ struct RayCaster::Scene {
   Device device;
   EmbreeScene scene;
   std::string description;
-  std::vector<std::uint8_t> overlaps;  ///< per triangle: whether it lies on another; empty: none does
-  float largest = 0.0f;                ///< coordinate
+  std::vector<std::uint8_t> ties;  ///< flags of each triangle; empty: none has any
+  float largest = 0.0f;            ///< coordinate
 };
 
 RayCaster::RayCaster(std::unique_ptr<Scene> scene) : scene_(std::move(scene)) {}
 RayCaster::RayCaster(RayCaster&&) noexcept = default;
 RayCaster& RayCaster::operator=(RayCaster&&) noexcept = default;
 RayCaster::~RayCaster() = default;
+
+const std::vector<std::uint8_t>& RayCaster::ties() const {
+  return scene_->ties;
+}
 
 const std::string& RayCaster::description() const {
   return scene_->description;
@@ -304,7 +333,7 @@ Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
   const Mesh mesh{positions, triangles, largest_coordinate(positions)};
   scene->largest = mesh.largest;
   if (!triangles.empty()) {
-    scene->overlaps = find_overlaps(scene->device.get(), mesh);
+    scene->ties = find_ties(scene->device.get(), mesh);
     scene->opacity = TriangleOpacity(opacity, positions, triangles);
     attach_triangles(scene->device.get(), scene->scene.get(), mesh, scene->opacity, true);
     if (scene->opacity.any())
@@ -327,8 +356,16 @@ void RayCaster::closest_hits(RayPacket& packet, RaySpread spread, AlphaTest alph
   packet.geometry.fill(RTC_INVALID_GEOMETRY_ID);
   const LaneChoice lanes = lanes_with_rays(packet);
   rtcIntersect8(lanes.data(), scene_->scene.get(), &query.base, reinterpret_cast<RTCRayHit8*>(&packet));
-  const LaneChoice ties = lanes_with_ties(packet, scene_->overlaps);
-  if (ties.any()) settle_ties(scene_->scene.get(), ties, scene_->largest, alpha, packet);
+  const LaneChoice ties = lanes_with_ties(packet, scene_->ties);
+  if (ties.any()) settle_ties(scene_->scene.get(), ties, scene_->largest, scene_->ties, alpha, packet);
+}
+
+void RayCaster::settle(RayPacket& packet, std::uint32_t lanes) const {
+  LaneChoice ties;
+  for (int lane = 0; lane < kPacketSize; ++lane)
+    ties[lane] = (lanes >> lane & 1u) != 0 && packet.triangle[lane] != kNoTriangle ? -1 : 0;
+  if (ties.any())
+    settle_ties(scene_->scene.get(), ties, scene_->largest, scene_->ties, AlphaTest::coin, packet);
 }
 
 std::uint32_t RayCaster::occluded(RayPacket& packet) const {

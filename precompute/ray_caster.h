@@ -3,13 +3,15 @@
 // The one door to Embree: no other file includes it. Closest hits and occlusion against a fixed set of
 // triangles, in robust mode, ISA pinned.
 //
-// Hits at equal distance go to the lowest triangle, never to the order in which Embree's tree is walked. They
-// are found where they can be: at the edges of triangles, and on triangles that lie on others in one plane
-// (overlap_in_plane.h), which are marked when the scene is made. A ray that meets one of those is traced once
-// more around the hit; all others need no filter, which would be called for every triangle that a ray meets.
-// Not found is the edge of one triangle that touches the inside of another, as where a wall stands on a
-// floor: rays within rounding of it, one in millions, may go to either. Embree's tree, and with it the
-// answer, is the same for any number of threads.
+// Hits at equal distance go to the lowest triangle among those that they lie inside of, else to the lowest of
+// all; never to the order in which Embree's tree is walked, so that other geometry elsewhere changes nothing.
+// They are found where they can be: at the edges of triangles, and on triangles that lie on others in one
+// plane (overlap_in_plane.h) or are very thin, which are marked when the scene is made. A ray that meets one
+// of those is traced once more around the hit; all others need no filter, which would be called for every
+// triangle that a ray meets. Where the edge of one triangle touches the inside of another, as where a wall
+// stands on a floor, the other one has the hit, asked again or not. Not found is where two cross: rays within
+// rounding of it, one in ten millions, may go to either, unless whoever knows the place asks for it (settle).
+// Embree's tree, and with it the answer, is the same for any number of threads.
 #pragma once
 
 #include <array>
@@ -85,6 +87,14 @@ class RayCaster {
   /// The share of light that gets from a to b: 0 behind anything opaque, else the product of 1 - opacity over
   /// all that it meets. Thread-safe.
   float transmittance(const glm::vec3& a, const glm::vec3& b) const;
+
+  /// Of lanes that closest_hits has answered, by coin: gives them to the triangle that takes a hit, among
+  /// those as far away up to rounding. For hits where surfaces are known to cross. Thread-safe.
+  void settle(RayPacket& packet, std::uint32_t lanes) const;
+
+  /// Per triangle, not 0: closest_hits settles all hits on it, for it lies on another in one plane or is very
+  /// thin. Empty where none is.
+  const std::vector<std::uint8_t>& ties() const;
 
   /// Library, version and instruction set, as recorded in the model.
   const std::string& description() const;

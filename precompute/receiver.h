@@ -18,17 +18,17 @@ class Receiver {
   /// Origins lie inside the border of the element by as much as rays are lifted: one in the edge of a room
   /// would start behind the other wall. Those of an element that walls run through or beside are what its
   /// middle sees.
-  static Receiver element(const Geometry& geometry, const RayCaster& caster, const SystemSurface& surface,
-                          const Element& element, Side side);
+  static Receiver element(const Geometry& geometry, const SystemSurface& surface, const Element& element,
+                          Side side);
   static Receiver point(const SurfacePoint& at);
 
   /// Where origins are drawn from; on the surface, not lifted.
   const AreaSampler& origins() const { return origins_; }
 
-  /// Whether an origin belongs to this receiver.
+  /// Whether an origin belongs to this receiver. Not thread-safe.
   bool owns(const Geometry& geometry, const RayCaster& caster, const PointLanes& origins,
             std::size_t lane) const {
-    if (open_.empty() || open_[origins.patch[lane]]) return true;
+    if (views_.empty() || open(geometry, caster, origins.patch[lane])) return true;
     const glm::vec3 position(origins.x[lane], origins.y[lane], origins.z[lane]);
     return mutually_visible(geometry, caster, middle_,
                             {position, origins_.patch(origins.patch[lane]).frame.normal});
@@ -39,12 +39,22 @@ class Receiver {
   float radius() const { return radius_; }
   /// The same place has the same key, whatever else is in the scene: seeds come from it.
   std::uint64_t key() const;
+  /// The key, and everything else that its rays start from: with the same identity (and the same walls
+  /// nearby, where it is walled) they are the same rays.
+  std::uint64_t identity() const;
+  /// Whether a wall may run through it.
+  bool walled() const { return !views_.empty(); }
+  /// No origin is further from the middle, m.
+  float reach() const;
 
  private:
   SurfacePoint middle_;
   float radius_ = 0.0f;
   AreaSampler origins_;
-  std::vector<bool> open_;  ///< per patch: the middle sees its corners, so no wall cuts it; empty: all
+  /// Whether the middle sees the corners of a patch, so that no wall cuts it.
+  bool open(const Geometry& geometry, const RayCaster& caster, std::uint32_t patch) const;
+  enum class View : std::uint8_t { unknown, open, cut };
+  mutable std::vector<View> views_;  ///< per patch, once somebody asks; empty: all are open
 };
 
 }  // namespace relume

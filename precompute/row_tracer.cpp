@@ -2,12 +2,11 @@
 #include "precompute/row_tracer.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 
 #include "core/quantities.h"
-#include "core/sky.h"
-#include "precompute/hemisphere_rays.h"
 
 namespace relume {
 namespace {
@@ -20,6 +19,27 @@ glm::vec3 direction_of(const RayPacket& packet, int lane) {
   return {packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]};
 }
 
+/// Where in their sequence the area samples begin that go with the rays of `range`.
+std::uint32_t first_sample(const PointRange& range, std::uint32_t samples) {
+  return std::min(range.first / kRaysPerAreaSample, kMaxAreaSamples - samples) / kPacketSize * kPacketSize;
+}
+
+/// So many from the first on, as bits.
+std::uint32_t first_lanes(std::uint32_t count) {
+  return count >= std::uint32_t(kPacketSize) ? (1u << kPacketSize) - 1u : (1u << count) - 1u;
+}
+
+/// Those of `lanes` whose origins belong to the receiver.
+std::uint32_t owned_lanes(const RowScene& scene, const Receiver& receiver, const PointLanes& origins,
+                          std::uint32_t lanes) {
+  if (!receiver.walled()) return lanes;
+  for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+    if ((lanes >> lane & 1u) != 0 && !receiver.owns(scene.geometry, scene.caster, origins, lane))
+      lanes &= ~(1u << lane);
+  }
+  return lanes;
+}
+
 }  // namespace
 
 std::size_t sender_count(const RowScene& scene) {
@@ -28,6 +48,7 @@ std::size_t sender_count(const RowScene& scene) {
 
 RowTracer::RowTracer(const RowScene& scene)
     : scene_(scene),
+      sight_(scene.geometry, scene.caster, scene.lookup, scene.emitters, scene.memory),
       emitter_points_(scene.emitters.list.empty() ? 0 : kMaxAreaSamples),
       counts_(sender_count(scene), 0),
       touched_(counts_.size()),
@@ -43,8 +64,14 @@ TracedRow RowTracer::trace(const Receiver& receiver, const SobolPoints& points, 
   const std::uint64_t key = mix(receiver.key(), scene_.seed);
   area_samples_ = std::min(kMaxAreaSamples, range.count / kRaysPerAreaSample);
   choose_emitters(scene_.emitters, receiver, choice_);
+  if (scene_.memory != nullptr) {
+    const std::uint32_t samples =
+        choice_.any() ? first_sample(range, area_samples_) + area_samples_ + kPacketSize : 0;
+    sight_.begin(receiver.identity(), receiver, range.first + range.count, samples);
+  }
   const Totals totals = trace_hemisphere(receiver, points, range, key);
   sample_emitters(receiver, range, totals.traced, key);
+  if (scene_.memory != nullptr) sight_.end();
   rays_ += totals.traced;
   TracedRow result;
   result.back_face_share = totals.traced > 0 ? float(totals.back_faces) / float(totals.traced) : 1.0f;
@@ -56,50 +83,61 @@ RowTracer::Totals RowTracer::trace_hemisphere(const Receiver& receiver, const So
                                               const PointRange& range, std::uint64_t key) {
   Totals totals;
   HemispherePacket packet;
+  PacketSight seen;
   for (std::uint32_t first = range.first; first < range.first + range.count; first += kPacketSize) {
-    fill_packet(scene_.geometry, scene_.caster, receiver, points, key, first, packet);
-    scene_.caster.closest_hits(packet.rays, RaySpread::narrow);
+    look(receiver, points, key, first, packet, seen);
     for (int lane = 0; lane < kPacketSize; ++lane) {
-      if (packet.used[lane]) count_hit(packet.rays, lane, packet.normal(receiver, lane), range.count, totals);
+      if (seen.place[std::size_t(lane)] != kNoRay)
+        count_hit(receiver, packet, seen, lane, range.count, totals);
     }
   }
   return totals;
 }
 
-void RowTracer::count_hit(const RayPacket& packet, int lane, const glm::vec3& normal, std::uint32_t ray_count,
-                          Totals& totals) {
+void RowTracer::look(const Receiver& receiver, const SobolPoints& points, std::uint64_t key,
+                     std::uint32_t first, HemispherePacket& packet, PacketSight& seen) {
+  const std::uint32_t left = points.count() - std::min(points.count(), first);
+  if (scene_.memory != nullptr && !scene_.directional &&
+      sight_.know(points.numbers(first), first_lanes(left), seen))
+    return;
+  make_packet(scene_.geometry, receiver, points, key, first, packet);
+  sight_.see(points.numbers(first), packet.used_lanes(), packet.rays, seen,
+             [&](std::uint32_t lanes) { return owned_lanes(scene_, receiver, packet.origins, lanes); });
+}
+
+void RowTracer::count_hit(const Receiver& receiver, const HemispherePacket& packet, const PacketSight& seen,
+                          int lane, std::uint32_t ray_count, Totals& totals) {
   ++totals.traced;
-  const std::uint32_t triangle = packet.triangle[lane];
-  const glm::vec3 direction = direction_of(packet, lane);
+  const std::uint32_t place = seen.place[std::size_t(lane)];
+  if (place == SenderLookup::kBlackBack) ++totals.back_faces;
+  if (place >= SenderLookup::kBlackBack) return;
   std::uint32_t sender = 0;
-  if (triangle == kNoTriangle) {
-    sender = scene_.sky_senders[sky_cell(glm::dvec3(direction), scene_.sky_resolution)];
+  if (sees_sky(place)) {
+    sender = scene_.sky_senders[place - kSky];
   } else {
-    sender = scene_.lookup.seen(triangle, packet.u[lane], packet.v[lane], direction);
-    if (sender == SenderLookup::kBlackBack) ++totals.back_faces;
-    if (sender >= SenderLookup::kBlackBack) return;
-    const std::uint32_t emitter = scene_.emitters.list.empty() ? kNone : scene_.emitters.of_cluster[sender];
+    sender = scene_.lookup.sender_of(place);
+    const std::uint32_t emitter = scene_.emitters.of(sender);
     if (emitter != kNone && choice_.probability[emitter] > 0.0) {
       ++totals.arrived;
       ++totals.arrived_at_emitters;
-      add_emitter_hit(emitter, packet, lane, normal, ray_count);
+      add_emitter_hit(emitter, packet.rays, seen, lane, packet.normal(receiver, lane), ray_count);
       return;
     }
   }
   ++totals.arrived;
   ++counts_[sender];
-  if (scene_.directional) direction_sums_[sender] += glm::dvec3(direction);
+  if (scene_.directional) direction_sums_[sender] += glm::dvec3(direction_of(packet.rays, lane));
   touched_.insert(sender);
 }
 
-void RowTracer::add_emitter_hit(std::uint32_t emitter, const RayPacket& packet, int lane,
-                                const glm::vec3& normal, std::uint32_t ray_count) {
+void RowTracer::add_emitter_hit(std::uint32_t emitter, const RayPacket& packet, const PacketSight& seen,
+                                int lane, const glm::vec3& normal, std::uint32_t ray_count) {
   const glm::vec3 direction = direction_of(packet, lane);
   const double cos_receiver = std::max(0.0f, glm::dot(direction, normal));
-  const double cos_emitter = std::abs(glm::dot(direction, scene_.geometry.normals[packet.triangle[lane]]));
+  const double cos_emitter = seen.cosine[std::size_t(lane)];
   const SampleCounts counts{double(ray_count), area_samples_ * choice_.probability[emitter]};
-  const double weight =
-      ray_weight(counts, scene_.emitters.list[emitter].area, cos_receiver, cos_emitter, packet.far[lane]);
+  const double weight = ray_weight(counts, scene_.emitters.list[emitter].area, cos_receiver, cos_emitter,
+                                   seen.distance[std::size_t(lane)]);
   emitter_sums_[emitter] += weight / ray_count;
   if (scene_.directional) emitter_moments_[emitter] += weight / ray_count * glm::dvec3(direction);
 }
@@ -111,44 +149,41 @@ void RowTracer::sample_emitters(const Receiver& receiver, const PointRange& rang
   for (double& sum : emitter_sums_) sum *= started;
   for (glm::dvec3& moment : emitter_moments_) moment *= started;
   if (!choice_.any()) return;
-  const std::uint32_t start = std::min(range.first / kRaysPerAreaSample, kMaxAreaSamples - area_samples_);
-  const Connections connections{
-      receiver,      scene_.emitters,       choice_, range.count, start / kPacketSize * kPacketSize,
-      area_samples_, scene_.geometry.offset};
+  const std::uint32_t start = first_sample(range, area_samples_);
+  const Connections connections{receiver,      scene_.emitters,       choice_, range.count, start,
+                                area_samples_, scene_.geometry.offset};
   std::fill(area_sums_.begin(), area_sums_.end(), 0.0);
   std::fill(area_moments_.begin(), area_moments_.end(), glm::dvec3(0.0));
   std::uint32_t owned = 0;
   for (std::uint32_t first = 0; first < area_samples_; first += kPacketSize) {
     ConnectionPacket packet;
     fill_connections(connections, emitter_points_, mix(key, 1), first, packet);
-    owned += add_connections(receiver, first, packet);
+    owned += add_connections(receiver, start, first, packet);
   }
   for (std::size_t i = 0; i < area_sums_.size() && owned > 0; ++i) emitter_sums_[i] += area_sums_[i] / owned;
   for (std::size_t i = 0; i < area_moments_.size() && owned > 0; ++i)
     emitter_moments_[i] += area_moments_[i] / double(owned);
 }
 
-std::uint32_t RowTracer::add_connections(const Receiver& receiver, std::uint32_t first,
+std::uint32_t RowTracer::add_connections(const Receiver& receiver, std::uint32_t start, std::uint32_t first,
                                          ConnectionPacket& packet) {
-  std::uint32_t owned = 0;
-  std::array<bool, kPacketSize> used;
+  std::uint32_t asked = 0, useful = 0;
   for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
-    const bool own =
-        first + lane < area_samples_ && receiver.owns(scene_.geometry, scene_.caster, packet.origins, lane);
-    owned += own ? 1 : 0;
-    used[lane] = own && packet.rays.far[lane] > 0.0f;
-    if (!used[lane]) packet.rays.far[lane] = -1.0f;
-    occlusion_rays_ += used[lane] ? 1 : 0;
+    if (first + lane < area_samples_) asked |= 1u << lane;
+    if (packet.rays.far[lane] > 0.0f) useful |= 1u << lane;
   }
-  const std::uint32_t hidden = scene_.caster.occluded(packet.rays);
+  const SeenSamples seen = sight_.see_emitters(
+      start + first, asked, useful, packet.rays,
+      [&](std::uint32_t lanes) { return owned_lanes(scene_, receiver, packet.origins, lanes); });
+  occlusion_rays_ += std::uint64_t(std::popcount(seen.owned & useful));
   for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
-    if (!used[lane] || (hidden >> lane & 1u) != 0) continue;
+    if ((seen.visible >> lane & 1u) == 0) continue;
     area_sums_[packet.emitter[lane]] += packet.form_factor[lane];
     if (!scene_.directional) continue;
     const glm::dvec3 way(direction_of(packet.rays, int(lane)));
     area_moments_[packet.emitter[lane]] += packet.form_factor[lane] * glm::normalize(way);
   }
-  return owned;
+  return std::uint32_t(std::popcount(seen.owned));
 }
 
 FormFactorRow RowTracer::finish_row(const Totals& totals) {
@@ -166,9 +201,7 @@ FormFactorRow RowTracer::finish_row(const Totals& totals) {
   row.values.reserve(touched_.size());
   touched_.drain([&](std::uint32_t sender) {
     double value = counts_[sender] * scales.counted / std::max(1u, totals.traced);
-    const std::uint32_t emitter = sender < scene_.cluster_count && !scene_.emitters.list.empty()
-                                      ? scene_.emitters.of_cluster[sender]
-                                      : kNone;
+    const std::uint32_t emitter = sender < scene_.cluster_count ? scene_.emitters.of(sender) : kNone;
     if (emitter != kNone) value += emitter_sums_[emitter] * scales.emitted;
     row.senders.push_back(sender);
     row.values.push_back(float(value));

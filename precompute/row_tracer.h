@@ -10,7 +10,9 @@
 #include "precompute/emitter_connections.h"
 #include "precompute/emitters.h"
 #include "precompute/geometry.h"
+#include "precompute/hemisphere_rays.h"
 #include "precompute/ray_caster.h"
+#include "precompute/ray_sight.h"
 #include "precompute/receiver.h"
 #include "precompute/sampling.h"
 #include "precompute/sender_lookup.h"
@@ -52,7 +54,8 @@ struct RowScene {
   std::uint32_t sky_resolution = 0;
   std::vector<std::uint32_t> sky_senders;  ///< per cell of the sky: its number among the senders
   std::uint64_t seed = 0;
-  bool directional = false;  ///< rows have moments
+  bool directional = false;     ///< rows have moments
+  RayMemory* memory = nullptr;  ///< knows rays that need not be traced; none: all are
 };
 
 /// Of RowScene: clusters and cells of the sky.
@@ -70,6 +73,7 @@ class RowTracer {
 
   std::uint64_t rays() const { return rays_; }
   std::uint64_t occlusion_rays() const { return occlusion_rays_; }
+  const RaySight& sight() const { return sight_; }
 
  private:
   struct Totals {
@@ -77,20 +81,26 @@ class RowTracer {
   };
   Totals trace_hemisphere(const Receiver& receiver, const SobolPoints& points, const PointRange& range,
                           std::uint64_t key);
-  void count_hit(const RayPacket& packet, int lane, const glm::vec3& normal, std::uint32_t ray_count,
-                 Totals& totals);
-  void add_emitter_hit(std::uint32_t emitter, const RayPacket& packet, int lane, const glm::vec3& normal,
-                       std::uint32_t ray_count);
+  void look(const Receiver& receiver, const SobolPoints& points, std::uint64_t key, std::uint32_t first,
+            HemispherePacket& packet, PacketSight& seen);
+  /// Of the packet, directions and origins of lanes that see a possible emitter, or of all in a directional
+  /// scene.
+  void count_hit(const Receiver& receiver, const HemispherePacket& packet, const PacketSight& seen, int lane,
+                 std::uint32_t ray_count, Totals& totals);
+  void add_emitter_hit(std::uint32_t emitter, const RayPacket& packet, const PacketSight& seen, int lane,
+                       const glm::vec3& normal, std::uint32_t ray_count);
   void sample_emitters(const Receiver& receiver, const PointRange& range, std::uint32_t traced,
                        std::uint64_t key);
   /// How many samples of the packet belong to the receiver.
-  std::uint32_t add_connections(const Receiver& receiver, std::uint32_t first, ConnectionPacket& packet);
+  std::uint32_t add_connections(const Receiver& receiver, std::uint32_t start, std::uint32_t first,
+                                ConnectionPacket& packet);
   FormFactorRow finish_row(const Totals& totals);
   /// Value x mean direction of a sender, whose emitter is `emitter`, or kNone.
   glm::vec3 finish_moment(std::uint32_t sender, std::uint32_t emitter, const RowScales& scales,
                           std::uint32_t traced);
 
   const RowScene& scene_;
+  RaySight sight_;
   SobolPoints emitter_points_;
   std::vector<std::uint32_t>
       counts_;                      ///< per sender: rays that arrived, except those counted in emitter_sums_

@@ -28,8 +28,7 @@ using Workers = tbb::enumerable_thread_specific<Worker>;
 
 void add_counts(const Workers& workers, RowCounts& counts) {
   for (const Worker& worker : workers) {
-    counts.rays += worker.tracer.rays();
-    counts.occlusion_rays += worker.tracer.occlusion_rays();
+    add_rays(worker.tracer, counts);
     counts.cluster_entries += worker.cluster_entries;
     counts.element_entries += worker.element_entries;
   }
@@ -159,7 +158,7 @@ std::vector<Receiver> receivers_of(const RowScene& scene, const TracedSystem& sy
   std::vector<Receiver> receivers;
   for (const auto e : members) {
     const Element& element = system.surface.surface.elements[e];
-    receivers.push_back(Receiver::element(scene.geometry, scene.caster, system.surface.surface, element,
+    receivers.push_back(Receiver::element(scene.geometry, system.surface.surface, element,
                                           system.charts[element.chart].side));
   }
   return receivers;

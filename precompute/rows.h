@@ -41,12 +41,22 @@ inline bool in_sample(std::uint32_t cluster, std::uint32_t every) {
 }
 
 struct RowCounts {
+  std::uint64_t traced = 0, kept = 0;  ///< of both kinds: in this run, and taken from an earlier one
   std::uint64_t rays = 0;
   std::uint64_t occlusion_rays = 0;
   std::uint64_t probe_rays = 0;  ///< of both kinds, those of light probes
   std::uint64_t cluster_entries = 0,
                 element_entries = 0;  ///< form factors of full rows, of lumels' own elements
 };
+
+/// Adds what a tracer, of rows or of probes, has counted.
+template <class Tracer>
+void add_rays(const Tracer& tracer, RowCounts& counts) {
+  counts.rays += tracer.rays();
+  counts.occlusion_rays += tracer.occlusion_rays();
+  counts.traced += tracer.sight().traced() + tracer.sight().traced_samples();
+  counts.kept += tracer.sight().kept() + tracer.sight().kept_samples();
+}
 
 /// Clusters go in batches of about so many elements where rows are cut, so that full ones need not be held
 /// together.

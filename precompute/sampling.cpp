@@ -80,6 +80,7 @@ SobolPoints::SobolPoints(std::uint32_t count, std::uint32_t grouped) : count_(co
   for (int d = 0; d < 4; ++d) {
     for (const auto index : order) reversed_[std::size_t(d)].push_back(reverse_bits(sobol(index, d)));
   }
+  numbers_ = std::move(order);
 }
 
 SamplePoint SobolPoints::scrambled(std::uint32_t index, std::uint64_t seed) const {

@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "core/mix.h"
@@ -56,6 +57,11 @@ class SobolPoints {
   /// is.
   explicit SobolPoints(std::uint32_t count, std::uint32_t grouped = 0);
   std::uint32_t count() const { return count_; }
+  /// Which points of the sequence `first` and the next are; `first` < count() is a multiple of kLanes. The
+  /// ray of a point is the same ray whatever is grouped.
+  std::span<const std::uint32_t, kLanes> numbers(std::uint32_t first) const {
+    return std::span<const std::uint32_t, kLanes>(&numbers_[first], kLanes);
+  }
   /// Point `index` < count() of the sequence that belongs to `seed`.
   SamplePoint scrambled(std::uint32_t index, std::uint64_t seed) const;
   /// Points first, first + 1 ... of the same sequence; `first` < count() is a multiple of kLanes. What lies
@@ -79,6 +85,7 @@ class SobolPoints {
     return static_cast<float>(static_cast<std::int32_t>(bits >> 8)) * 0x1p-24f;
   }
   std::uint32_t count_;
+  std::vector<std::uint32_t> numbers_;                  ///< of the points as they are kept
   std::array<std::vector<std::uint32_t>, 4> reversed_;  ///< bit-reversed, as the scrambling wants them
 };
 

@@ -11,13 +11,10 @@
 namespace relume {
 namespace {
 
-/// Whether all elements of a cell are of one cluster, and no wall is near.
-bool simple(const ClusteredSurface& system, std::uint32_t cell) {
-  const auto first = system.surface.first_element[cell], last = system.surface.first_element[cell + 1];
-  for (auto e = first; e < last; ++e) {
-    if (system.surface.elements[e].walled || system.cluster[e] != system.cluster[first]) return false;
-  }
-  return true;
+/// Whether a cell has one element, and no wall is near.
+bool whole(const SystemSurface& surface, std::uint32_t cell) {
+  const auto first = surface.first_element[cell], last = surface.first_element[cell + 1];
+  return last == first + 1 && !surface.elements[first].walled;
 }
 
 /// Cells without surface take a neighbour's entry: hits on a border may round into them. Charts stand two
@@ -54,7 +51,10 @@ SenderLookup::SenderLookup(const Geometry& geometry, const std::vector<Chart>& c
   const bool any_back =
       std::any_of(charts.begin(), charts.end(), [](const Chart& c) { return c.side == Side::back; });
   if (any_back) back_.resize(geometry.triangles.size());
+  std::uint32_t elements = 0;
   for (std::uint32_t s = 0; s < layouts.size(); ++s) {
+    first_elements_.push_back(elements);
+    elements += std::uint32_t(surfaces[s].surface.elements.size());
     for (std::size_t i = 0; i < layouts[s].charts.size(); ++i)
       map_chart(charts[layouts[s].charts[i]], layouts[s].positions[i], s);
     Grid grid{layouts[s].width, layouts[s].height, {}, {}};
@@ -62,12 +62,19 @@ SenderLookup::SenderLookup(const Geometry& geometry, const std::vector<Chart>& c
     for (std::uint32_t cell = 0; cell < grid.entry.size(); ++cell) {
       const std::uint32_t first = surfaces[s].surface.first_element[cell];
       if (first == surfaces[s].surface.first_element[cell + 1]) continue;
-      grid.entry[cell] = simple(surfaces[s], cell) ? surfaces[s].sender_of(first) : kSearch | kNoFineCell;
+      grid.entry[cell] =
+          whole(surfaces[s].surface, cell) ? first_elements_[s] + first : kSearch | kNoFineCell;
     }
     dilate(grid.entry, grid.width, grid.height);
     grids_.push_back(std::move(grid));
     fill_fine_cells(s);
   }
+  senders_.assign(elements, kNone);
+  for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
+    for (std::uint32_t e = 0; e < surfaces[s].surface.elements.size(); ++e)
+      near_walls_.push_back(simple(s, e) ? 0 : 1);
+  }
+  follow_clusters();
 }
 
 void SenderLookup::fill_fine_cells(std::uint32_t system) {
@@ -83,7 +90,7 @@ void SenderLookup::fill_fine_cells(std::uint32_t system) {
   for (std::uint32_t i = 0; i < cells.size(); ++i) grid.entry[cells[i]] = kSearch | i;
 }
 
-/// A sub-cell is known when the corners of all pieces in it find one cluster: then no wall cuts it.
+/// A sub-cell is known when the corners of all pieces in it find one element: then no wall cuts it.
 void SenderLookup::fill_fine_cell(std::uint32_t system, std::uint32_t cell, FineCell& fine) const {
   const ClusteredSurface& own = surfaces_[system];
   fine.fill(kNone);
@@ -111,28 +118,26 @@ void SenderLookup::map_chart(const Chart& chart, const glm::uvec2& position, std
   for (std::size_t i = 0; i < chart.triangles.size(); ++i) {
     const std::uint32_t t = chart.triangles[i];
     const auto& c = chart.corners[i];
-    faces[t] = {geometry_.normals[t], c[0] + glm::vec2(position), c[1] - c[0], c[2] - c[0], system};
+    faces[t] = {geometry_.normals[t],     c[0], c[1] - c[0], c[2] - c[0], system, std::uint16_t(position.x),
+                std::uint16_t(position.y)};
   }
 }
 
-void SenderLookup::renumber(const std::vector<std::uint32_t>& numbers) {
-  const auto change = [&](std::uint32_t& entry) {
-    if (entry != kNone && (entry & kSearch) == 0) entry = numbers[entry];
-  };
-  for (Grid& grid : grids_) {
-    std::for_each(grid.entry.begin(), grid.entry.end(), change);
-    for (FineCell& fine : grid.fine) std::for_each(fine.begin(), fine.end(), change);
+void SenderLookup::follow_clusters() {
+  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+    for (std::uint32_t e = 0; e < surfaces_[s].cluster.size(); ++e)
+      senders_[first_elements_[s] + e] = surfaces_[s].sender_of(e);
   }
 }
 
-std::uint32_t SenderLookup::sender(const SurfaceHit& hit) const {
-  return sender_on(hit.side == Side::front ? front_[hit.triangle] : back_[hit.triangle], hit);
+std::uint32_t SenderLookup::element(const SurfaceHit& hit) const {
+  return element_on(hit.side == Side::front ? front_[hit.triangle] : back_[hit.triangle], hit);
 }
 
 std::uint32_t SenderLookup::seen_from_behind(std::uint32_t triangle, float u, float v,
                                              const glm::vec3& direction) const {
   const auto hit = seen_surface(geometry_, {triangle, u, v, Side::back}, direction);
-  return hit ? sender(*hit) : kBlackBack;
+  return hit ? element(*hit) : kBlackBack;
 }
 
 std::uint32_t SenderLookup::search(const SurfaceHit& hit, std::uint32_t system, std::uint32_t cell) const {
@@ -167,7 +172,7 @@ std::uint32_t SenderLookup::search(const SurfaceHit& hit, std::uint32_t system, 
   for (std::size_t i = 0; i < count; ++i) {
     const Element& element = own.surface.elements[candidates[i].element];
     if (mutually_visible(geometry_, caster_, point, {element.position, element.normal})) {
-      return own.sender_of(candidates[i].element);
+      return first_elements_[system] + candidates[i].element;
     }
   }
   return kNone;

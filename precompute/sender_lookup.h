@@ -30,49 +30,66 @@ struct ClusteredSurface {
   std::uint32_t sender_of(std::uint32_t element) const { return senders[cluster[element]]; }
 };
 
-/// Maps hits to clusters, numbered through over all systems. Most hits cost one look into the grid of lumels,
-/// or into one four times as fine where a wall runs through or beside the lumel; where a wall cuts a cell of
-/// that too, the element is found that the hit point sees, so that no light passes under a wall. Thread-safe.
+/// Maps hits to elements, numbered through over all systems, and these to senders. Most hits cost one look
+/// into the grid of lumels, or into one four times as fine where a wall runs through or beside the lumel;
+/// where a wall cuts a cell of that too, the element is found that the hit point sees, so that no light
+/// passes under a wall. The same place of the same chart gives the same element, wherever the chart lies in
+/// its lightmap. Thread-safe.
 class SenderLookup {
  public:
-  /// Borrows everything; all must outlive it.
+  /// Borrows everything; all must outlive it. Clusters may be made, or made anew, later: follow_clusters().
   SenderLookup(const Geometry& geometry, const std::vector<Chart>& charts,
                const std::vector<SystemLayout>& layouts, const std::vector<ClusteredSurface>& surfaces,
                const RayCaster& caster);
 
-  /// The cluster hit, or kNone for surfaces that have none, and for points that no element of their
+  /// The element hit, or kNone for surfaces that have none, and for points that no element of their
   /// neighbourhood sees.
-  std::uint32_t sender(const SurfaceHit& hit) const;
+  std::uint32_t element(const SurfaceHit& hit) const;
 
-  /// Clusters have new numbers: `numbers` per old one; those of the surfaces changed already.
-  void renumber(const std::vector<std::uint32_t>& numbers);
+  /// The surfaces have new clusters, or these new numbers.
+  void follow_clusters();
 
-  /// Instead of a cluster: the back of a single-sided surface, opaque and black.
+  /// The sender that an element belongs to.
+  std::uint32_t sender_of(std::uint32_t element) const { return senders_[element]; }
+  /// Of a system, among the elements of all.
+  std::uint32_t first_element(std::size_t system) const { return first_elements_[system]; }
+  std::uint32_t element_count() const { return std::uint32_t(senders_.size()); }
+  /// Whether all hits on the lumel of an element are on it, without a look at the surfaces around.
+  bool simple(std::size_t system, std::uint32_t element_of_system) const {
+    return (grids_[system].entry[surfaces_[system].surface.elements[element_of_system].cell] & kSearch) == 0;
+  }
+
+  /// Whether surfaces cross or touch near an element, as far as its lumel shows it.
+  bool near_walls(std::uint32_t element) const { return near_walls_[element] != 0; }
+
+  /// Instead of an element: the back of a single-sided surface, opaque and black.
   static constexpr std::uint32_t kBlackBack = kNone - 1;
 
-  /// The same for what a ray travelling along `direction` sees where it met a triangle (seen_surface), or
-  /// kBlackBack.
+  /// The element that a ray travelling along `direction` sees where it met a triangle (seen_surface), or
+  /// kNone, or kBlackBack.
   std::uint32_t seen(std::uint32_t triangle, float u, float v, const glm::vec3& direction) const {
     const Face& face = front_[triangle];
     const bool from_front = glm::dot(face.normal, direction) < 0.0f;
-    return from_front ? sender_on(face, {triangle, u, v, Side::front})
+    return from_front ? element_on(face, {triangle, u, v, Side::front})
                       : seen_from_behind(triangle, u, v, direction);
   }
 
  private:
-  /// All that a hit asks of one side of a triangle. Lightmap coordinates over it: base + u du + v dv.
+  /// All that a hit asks of one side of a triangle. Coordinates over it in the chart: base + u du + v dv,
+  /// lumels.
   struct Face {
     glm::vec3 normal{0.0f};  ///< of the front
     glm::vec2 base{0.0f}, du{0.0f}, dv{0.0f};
     std::uint32_t system = kNone;
+    std::uint16_t x = 0, y = 0;  ///< of the chart in the lightmap
   };
   static constexpr std::uint32_t kSearch = 0x80000000u;
   static constexpr std::uint32_t kNoFineCell = kSearch - 2;  ///< kSearch | kNoFineCell is not kNone
-  /// One entry per sub-cell (kSubcells^2) of a cell: its cluster, or kSearch.
+  /// One entry per sub-cell (kSubcells^2) of a cell: its element, or kSearch.
   using FineCell = std::array<std::uint32_t, kSubcells * kSubcells>;
   struct Grid {
     std::uint32_t width = 0, height = 0;
-    std::vector<std::uint32_t> entry;  ///< cluster, kNone, or kSearch | index into `fine` or kNoFineCell
+    std::vector<std::uint32_t> entry;  ///< element, kNone, or kSearch | index into `fine` or kNoFineCell
     std::vector<FineCell> fine;
   };
   struct GridPoint {
@@ -82,15 +99,15 @@ class SenderLookup {
   void map_chart(const Chart& chart, const glm::uvec2& position, std::uint32_t system);
   static GridPoint locate(const Face& face, const Grid& grid, float u, float v) {
     const glm::vec2 at = face.base + face.du * u + face.dv * v;
-    const auto x = std::min(std::uint32_t(std::max(at.x, 0.0f)), grid.width - 1);
-    const auto y = std::min(std::uint32_t(std::max(at.y, 0.0f)), grid.height - 1);
-    return {x, y, at.x - float(x), at.y - float(y)};
+    const auto x = std::uint32_t(std::max(at.x, 0.0f)), y = std::uint32_t(std::max(at.y, 0.0f));
+    return {std::min(face.x + x, grid.width - 1), std::min(face.y + y, grid.height - 1), at.x - float(x),
+            at.y - float(y)};
   }
   static std::size_t subcell(const GridPoint& at) {
     const auto index = [](float t) { return std::clamp(int(t * float(kSubcells)), 0, kSubcells - 1); };
     return std::size_t(index(at.in_y) * kSubcells + index(at.in_x));
   }
-  std::uint32_t sender_on(const Face& face, const SurfaceHit& hit) const {
+  std::uint32_t element_on(const Face& face, const SurfaceHit& hit) const {
     if (face.system == kNone) return kNone;
     const Grid& grid = grids_[face.system];
     const GridPoint at = locate(face, grid, hit.u, hit.v);
@@ -111,6 +128,9 @@ class SenderLookup {
   const RayCaster& caster_;
   std::vector<Face> front_, back_;
   std::vector<Grid> grids_;
+  std::vector<std::uint32_t> first_elements_;  ///< per system
+  std::vector<std::uint32_t> senders_;         ///< per element of all systems
+  std::vector<std::uint8_t> near_walls_;       ///< likewise
 };
 
 }  // namespace relume

@@ -21,7 +21,11 @@ constexpr float kShortestMean = 0.97f;
 /// Parts are cells of the sphere (core/sky.h) of about so many degrees.
 constexpr std::uint32_t kPartResolution = 4;
 
-glm::vec3 direction_of(const RayPacket& packet, int lane) {
+/// Tells rays over the sphere from those over a hemisphere.
+constexpr std::uint64_t kSphere = 0x737068657265;
+constexpr std::uint32_t kAllLanes = (1u << kPacketSize) - 1u;
+
+glm::vec3 direction_of(const RayPacket& packet, std::size_t lane) {
   return {packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]};
 }
 
@@ -86,16 +90,24 @@ std::vector<SeenSender> unite_senders(std::vector<SeenSender> samples) {
 }
 
 SphereTracer::SphereTracer(const RowScene& scene)
-    : scene_(scene), emitter_points_(scene.emitters.list.empty() ? 0 : kMaxAreaSamples) {}
+    : scene_(scene),
+      sight_(scene.geometry, scene.caster, scene.lookup, scene.emitters, scene.memory),
+      emitter_points_(scene.emitters.list.empty() ? 0 : kMaxAreaSamples) {}
 
 ProbeRow SphereTracer::trace(const glm::vec3& position, const SobolPoints& points) {
-  const std::uint64_t key = mix(Receiver::point({position, glm::vec3(0.0f)}).key(), scene_.seed);
+  const Receiver receiver = Receiver::point({position, glm::vec3(0.0f)});
+  const std::uint64_t key = mix(receiver.key(), scene_.seed);
   counted_.clear(), emitted_.clear();
   area_samples_ = std::min(kMaxAreaSamples, points.count() / kRaysPerAreaSample);
   density_by_ray_ = points.count() / (4.0 * kPi);
   choose_emitters(position);
+  if (scene_.memory != nullptr) {
+    const std::uint32_t samples = choice_.any() ? area_samples_ + kPacketSize : 0;
+    sight_.begin(mix(receiver.identity(), kSphere), receiver, points.count(), samples);
+  }
   const Totals totals = trace_rays(position, points, key);
   if (choice_.any()) sample_emitters(position, mix(key, 1));
+  if (scene_.memory != nullptr) sight_.end();
   rays_ += points.count();
   close(totals.arrived / density_by_ray_);
   counted_.insert(counted_.end(), emitted_.begin(), emitted_.end());
@@ -119,6 +131,7 @@ void SphereTracer::choose_emitters(const glm::vec3& position) {
 SphereTracer::Totals SphereTracer::trace_rays(const glm::vec3& position, const SobolPoints& points,
                                               std::uint64_t key) {
   Totals totals;
+  PacketSight seen;
   for (std::uint32_t first = 0; first < points.count(); first += kPacketSize) {
     SampleLanes samples;
     points.scrambled(first, key, samples);
@@ -127,33 +140,32 @@ SphereTracer::Totals SphereTracer::trace_rays(const glm::vec3& position, const S
       const glm::vec3 direction = sphere_direction(samples.coordinate[0][lane], samples.coordinate[1][lane]);
       set_ray(packet, lane, position, direction, std::numeric_limits<float>::infinity());
     }
-    scene_.caster.closest_hits(packet, RaySpread::narrow);
-    for (int lane = 0; lane < kPacketSize; ++lane) add_hit(packet, lane, totals);
+    sight_.see(points.numbers(first), kAllLanes, packet, seen, [](std::uint32_t lanes) { return lanes; });
+    for (std::size_t lane = 0; lane < kLanes; ++lane) add_hit(packet, seen, lane, totals);
   }
   return totals;
 }
 
-void SphereTracer::add_hit(const RayPacket& packet, int lane, Totals& totals) {
-  const std::uint32_t triangle = packet.triangle[lane];
+void SphereTracer::add_hit(const RayPacket& packet, const PacketSight& seen, std::size_t lane,
+                           Totals& totals) {
+  const std::uint32_t place = seen.place[lane];
+  if (place == SenderLookup::kBlackBack) ++totals.back_faces;
+  if (place >= SenderLookup::kBlackBack) return;
   const glm::vec3 direction = direction_of(packet, lane);
   const double whole = 1.0 / density_by_ray_;
-  if (triangle == kNoTriangle) {
+  if (sees_sky(place)) {
     ++totals.arrived;
-    const std::uint32_t cell = sky_cell(glm::dvec3(direction), scene_.sky_resolution);
-    counted_.push_back({scene_.sky_senders[cell], float(whole), direction});
+    counted_.push_back({scene_.sky_senders[place - kSky], float(whole), direction});
     return;
   }
-  const std::uint32_t sender = scene_.lookup.seen(triangle, packet.u[lane], packet.v[lane], direction);
-  if (sender == SenderLookup::kBlackBack) ++totals.back_faces;
-  if (sender >= SenderLookup::kBlackBack) return;
   ++totals.arrived;
-  const std::uint32_t emitter = scene_.emitters.list.empty() ? kNone : scene_.emitters.of_cluster[sender];
+  const std::uint32_t sender = scene_.lookup.sender_of(place), emitter = scene_.emitters.of(sender);
   if (emitter == kNone || !(choice_.probability[emitter] > 0.0)) {
     counted_.push_back({sender, float(whole), direction});
     return;
   }
-  const double cosine = std::abs(glm::dot(direction, scene_.geometry.normals[triangle]));
-  const double by_area = density_by_area(emitter, double(packet.far[lane]) * packet.far[lane], cosine);
+  const double by_area =
+      density_by_area(emitter, double(seen.distance[lane]) * seen.distance[lane], double(seen.cosine[lane]));
   emitted_.push_back({sender, float(whole * power_heuristic(density_by_ray_, by_area)), direction});
 }
 
@@ -172,7 +184,7 @@ void SphereTracer::add_connections(const glm::vec3& position, std::uint32_t firs
   emitter_points_.scrambled(first, key, samples);
   RayPacket packet;
   std::array<SeenSender, kLanes> drawn;
-  std::array<bool, kLanes> useful;
+  std::uint32_t useful = 0;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     float u = samples.coordinate[0][lane];
     const auto chosen = std::uint32_t(choice_.choose(u));
@@ -181,17 +193,19 @@ void SphereTracer::add_connections(const glm::vec3& position, std::uint32_t firs
     const glm::vec3 way = target.position + scene_.geometry.offset * target.normal - position;
     const double squared = glm::dot(way, way), distance = std::sqrt(squared);
     const double cosine = -glm::dot(way, target.normal) / std::max(distance, 1e-30);
-    useful[lane] = first + lane < area_samples_ && squared > 0.0 && cosine > 0.0;
-    set_ray(packet, lane, position, way, useful[lane] ? 1.0f : -1.0f);
-    if (!useful[lane]) continue;
+    const bool sampled = first + lane < area_samples_ && squared > 0.0 && cosine > 0.0;
+    set_ray(packet, lane, position, way, sampled ? 1.0f : -1.0f);
+    if (!sampled) continue;
+    useful |= 1u << lane;
     const double by_area = density_by_area(chosen, squared, cosine);
     drawn[lane] = {emitter.cluster, float(power_heuristic(by_area, density_by_ray_) / by_area),
                    way / float(distance)};
     ++occlusion_rays_;
   }
-  const std::uint32_t hidden = scene_.caster.occluded(packet);
+  const SeenSamples seen =
+      sight_.see_emitters(first, useful, useful, packet, [](std::uint32_t lanes) { return lanes; });
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    if (useful[lane] && (hidden >> lane & 1u) == 0) emitted_.push_back(drawn[lane]);
+    if ((seen.visible >> lane & 1u) != 0) emitted_.push_back(drawn[lane]);
   }
 }
 

@@ -39,6 +39,7 @@ class SphereTracer {
 
   std::uint64_t rays() const { return rays_; }
   std::uint64_t occlusion_rays() const { return occlusion_rays_; }
+  const RaySight& sight() const { return sight_; }
 
  private:
   struct Totals {
@@ -46,7 +47,7 @@ class SphereTracer {
   };
   void choose_emitters(const glm::vec3& position);
   Totals trace_rays(const glm::vec3& position, const SobolPoints& points, std::uint64_t key);
-  void add_hit(const RayPacket& packet, int lane, Totals& totals);
+  void add_hit(const RayPacket& packet, const PacketSight& seen, std::size_t lane, Totals& totals);
   double density_by_area(std::uint32_t emitter, double squared_distance, double cosine) const;
   void sample_emitters(const glm::vec3& position, std::uint64_t key);
   void add_connections(const glm::vec3& position, std::uint32_t first, std::uint64_t key);
@@ -54,6 +55,7 @@ class SphereTracer {
   void close(double solid_angle);
 
   const RowScene& scene_;
+  RaySight sight_;
   SobolPoints emitter_points_;
   EmitterChoice choice_;
   std::uint32_t area_samples_ = 0;             ///< of all emitters together

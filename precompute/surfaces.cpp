@@ -8,6 +8,8 @@
 #include <numeric>
 
 #include "precompute/assemble_model.h"
+#include "precompute/geometry_keys.h"
+#include "precompute/rows_file.h"
 
 namespace relume {
 namespace {
@@ -33,18 +35,29 @@ double two_digits(double value) {
 
 void choose_sizes(const PrecomputeOptions& options, const Geometry& geometry, PrecomputeReport& report) {
   const double area = std::max(geometry.area, 1e-12);
-  report.cluster_size =
-      options.cluster_size > 0.0 ? options.cluster_size : two_digits(std::sqrt(area / kDefaultClusters));
-  report.texel_size =
-      options.texel_size > 0.0 ? options.texel_size : two_digits(std::sqrt(area / kDefaultLumels));
+  report.cluster_size = two_digits(std::sqrt(area / kDefaultClusters));
+  report.texel_size = two_digits(std::sqrt(area / kDefaultLumels));
+  if (options.old_rows != nullptr) {
+    report.cluster_size = options.old_rows->settings.cluster_size;
+    report.texel_size = options.old_rows->settings.texel_size;
+  }
+  if (options.cluster_size > 0.0) report.cluster_size = options.cluster_size;
+  if (options.texel_size > 0.0) report.texel_size = options.texel_size;
   if (options.texel_size <= 0.0) report.texel_size = std::min(report.texel_size, report.cluster_size);
   if (report.cluster_size < report.texel_size) report.cluster_size = report.texel_size;
+}
+
+KnownCells known_cells(const SceneChange& change, const ElementNamer& namer, std::uint32_t width) {
+  return {[&change, &namer, width](const Element& cell, std::span<const Piece> pieces) {
+            return change.had_element(namer.key(width, cell, pieces, 0, 1));
+          },
+          [&change](const glm::vec3& position, float reach) { return change.disturbed(position, reach); }};
 }
 
 }  // namespace
 
 Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
-                              Geometry geometry, PrecomputeReport& report) {
+                              Geometry geometry, PrecomputeReport& report, const EarlierSurfaces* earlier) {
   Surfaces surfaces;
   surfaces.geometry = std::move(geometry);
   choose_sizes(options, surfaces.geometry, report);
@@ -57,9 +70,15 @@ Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& optio
                 fmt::format("{}: every node says receiver \"none\"; nothing is left to receive light",
                             scene.file_name));
   surfaces.layouts = std::move(*layouts);
+  std::optional<ElementNamer> namer;
+  if (earlier != nullptr && earlier->change.comparable())
+    namer.emplace(surfaces.geometry, earlier->triangle_keys, surfaces.charts, surfaces.layouts);
   for (const SystemLayout& layout : surfaces.layouts) {
     ClusteredSurface system;
-    system.surface = make_elements(surfaces.geometry, surfaces.charts, layout, caster);
+    KnownCells known;
+    if (namer) known = known_cells(earlier->change, *namer, layout.width);
+    system.surface =
+        make_elements(surfaces.geometry, surfaces.charts, layout, caster, namer ? &known : nullptr);
     report.occlusion_rays += system.surface.occlusion_rays;
     surfaces.own_elements.push_back(own_elements(scene, surfaces.charts, system.surface));
     surfaces.systems.push_back(std::move(system));

@@ -8,6 +8,7 @@
 #include "precompute/clusters.h"
 #include "precompute/emitters.h"
 #include "precompute/precompute.h"
+#include "precompute/scene_change.h"
 
 namespace relume {
 
@@ -21,10 +22,18 @@ struct Surfaces {
   std::uint32_t cluster_count() const { return systems.back().first_cluster + systems.back().cluster_count; }
 };
 
+/// What changed since an earlier precompute, and the keys of the triangles (geometry_keys.h).
+struct EarlierSurfaces {
+  const SceneChange& change;
+  const std::vector<std::uint64_t>& triangle_keys;
+};
+
 /// Charts, lumels and elements; clusters come with cluster_surfaces. Chooses the sizes that nobody asked for,
-/// and reports them. Fails when nothing receives light.
+/// and reports them. Fails when nothing receives light. `earlier` may be missing; it saves rays, and changes
+/// nothing.
 Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
-                              Geometry geometry, PrecomputeReport& report);
+                              Geometry geometry, PrecomputeReport& report,
+                              const EarlierSurfaces* earlier = nullptr);
 
 /// Groups the elements of all systems anew: clusters of report.cluster_size, or with a `clearance_share` no
 /// larger than that share of their clearance.

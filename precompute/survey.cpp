@@ -46,7 +46,7 @@ Result<Survey> survey(RowScene& scene, const std::vector<Chart>& charts,
     *rows = reordered(std::move(*rows), numbers);
   }
   renumber(numbers, emitters);
-  lookup.renumber(numbers);
+  lookup.follow_clusters();
   for (std::uint32_t& sender : scene.sky_senders) sender = numbers[sender];
   const ProbedScene probed{scene.geometry, scene.caster, surfaces, emitters, result.senders, scene.seed};
   result.probing = probe(probed, *halves, reordered(std::move(rooms), numbers));

@@ -35,6 +35,9 @@ Result<std::vector<std::string>> read_system_names(const std::filesystem::path& 
 /// says what that leaves open. Fails (usage) for a name that is not there, or without any.
 Result<Model> read_systems(const std::filesystem::path& file, std::span<const std::string> names);
 
+/// The bytes of a file.
+Result<std::vector<std::byte>> read_file(const std::filesystem::path& file);
+
 /// The same crash-safe write for any bytes; every file that Relume writes goes through it.
 Result<void> write_file(const std::filesystem::path& file, std::span<const std::byte> bytes);
 

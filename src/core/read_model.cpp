@@ -37,6 +37,14 @@ Result<std::vector<std::byte>> read_bytes(const fs::path& file) {
 
 }  // namespace
 
+Result<std::vector<std::byte>> read_file(const fs::path& file) {
+  try {
+    return read_bytes(file);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::out_of_memory, fmt::format("{}: not enough memory to read it", file.string()));
+  }
+}
+
 Result<Model> read_model(const fs::path& file) {
   try {
     const auto bytes = read_bytes(file);

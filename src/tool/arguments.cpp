@@ -242,6 +242,12 @@ class Parser {
     add_number(command, "--seed", options.seed, kCountOrZero, "Default 0");
     add_number(command, "--max-memory", options.max_memory, kBytes,
                "Refused before the long work when it needs more; 500M, 2G");
+    command.add_flag("--rows", options.keep_rows,
+                     "Also write FILE.rows: what every ray met, about 3 bytes each, for --update");
+    add_path(
+        command, "--update", "OLD", arguments.update,
+        "A model written with --rows: of its rays (OLD.rows) only those that what moved may have changed are "
+        "traced again; the result is that of a precompute without. Sizes are those of OLD unless given");
   }
 
   void add_info_and_check() {

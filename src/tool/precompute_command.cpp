@@ -7,6 +7,7 @@
 
 #include "core/model_file.h"
 #include "precompute/process_memory.h"
+#include "precompute/rows_file.h"
 #include "scene/load_scene.h"
 #include "tool/interrupt.h"
 #include "tool/model_summary.h"
@@ -14,6 +15,18 @@
 
 namespace relume {
 namespace {
+
+void say_update(const PrecomputeReport& report, Console& console) {
+  constexpr std::size_t kNodesNamed = 5;
+  const auto& nodes = report.changed_nodes;
+  const std::size_t shown = std::min(nodes.size(), kNodesNamed);
+  console.say(fmt::format("  {:.2f} of {:.1f} million rays traced again; {}{}{}",
+                          1e-6 * double(report.traced_rays),
+                          1e-6 * double(report.traced_rays + report.kept_rays),
+                          nodes.empty() ? "no geometry has changed" : "changed: ",
+                          fmt::join(nodes.begin(), nodes.begin() + std::ptrdiff_t(shown), ", "),
+                          nodes.size() > shown ? fmt::format(" and {} more", nodes.size() - shown) : ""));
+}
 
 void say_report(const PrecomputeArguments& arguments, const PrecomputeReport& report, const Model& model,
                 std::uint64_t file_bytes, Console& console) {
@@ -38,6 +51,7 @@ void say_report(const PrecomputeArguments& arguments, const PrecomputeReport& re
         100.0 * report.projection->asymmetry, 100.0 * report.projection->change,
         100.0 * report.projection->left));
   }
+  if (arguments.update) say_update(report, console);
   if (report.invalid_lumels + report.split_lumels > 0) {
     console.say(fmt::format("  {} lumels inside geometry, {} split by a wall", report.invalid_lumels,
                             report.split_lumels));
@@ -61,6 +75,9 @@ JsonObject report_json(const PrecomputeArguments& arguments, const PrecomputeRep
                                {"rays", report.rays},
                                {"peak_memory", peak_resident_bytes()},
                                {"occlusion_rays", report.occlusion_rays},
+                               {"traced_rays", report.traced_rays},
+                               {"kept_rays", report.kept_rays},
+                               {"changed_nodes", json_array(report.changed_nodes)},
                                {"invalid_lumels", report.invalid_lumels},
                                {"split_lumels", report.split_lumels},
                                {"estimated_error", JsonObject{{"clusters", report.error.clusters},
@@ -117,11 +134,35 @@ Result<void> choose_probes(const std::string& asked, PrecomputeOptions& options)
   return {};
 }
 
+/// Where the rows of a model lie.
+std::filesystem::path rows_of(std::filesystem::path model) {
+  return model += ".rows";
+}
+
+/// The rows of the model that is to be updated.
+Result<std::optional<RowsFile>> read_old_rows(const PrecomputeArguments& arguments) {
+  if (!arguments.update) return std::optional<RowsFile>();
+  const std::filesystem::path file = rows_of(*arguments.update);
+  auto bytes = read_file(file);
+  if (!bytes) return tl::unexpected(bytes.error());
+  auto rows = decode_rows(std::move(*bytes), file.string());
+  if (!rows) return tl::unexpected(rows.error());
+  return std::optional<RowsFile>(std::move(*rows));
+}
+
 /// All that a precompute starts from.
 struct Input {
   PrecomputeOptions options;
   Scene scene;
+  std::optional<RowsFile> old_rows{};
 };
+
+/// Valid as long as the input stays where it is.
+PrecomputeOptions options_of(const Input& input) {
+  PrecomputeOptions options = input.options;
+  if (input.old_rows) options.old_rows = &*input.old_rows;
+  return options;
+}
 
 /// A scene that cannot be written later should not be traced first.
 Result<Input> read_input(const PrecomputeArguments& arguments, Console& console) {
@@ -135,6 +176,10 @@ Result<Input> read_input(const PrecomputeArguments& arguments, Console& console)
   }
   if (const auto chosen = choose_probes(arguments.probes, input.options); !chosen)
     return tl::unexpected(chosen.error());
+  auto old_rows = read_old_rows(arguments);
+  if (!old_rows) return tl::unexpected(old_rows.error());
+  input.old_rows = std::move(*old_rows);
+  if (arguments.update) input.options.old_rows_name = rows_of(*arguments.update).string();
   Result<Scene> scene = load_scene(arguments.scene);
   if (!scene) return tl::unexpected(scene.error());
   for (const std::string& warning : scene->warnings) console.warn(warning);
@@ -153,7 +198,7 @@ Result<int> run_dry(const PrecomputeArguments& arguments, Console& console) {
   const Result<Input> input = read_input(arguments, console);
   if (!input) return tl::unexpected(input.error());
   PrecomputeReport report;
-  const auto estimate = estimate_precompute(input->scene, input->options, report, observer(console));
+  const auto estimate = estimate_precompute(input->scene, options_of(*input), report, observer(console));
   console.end_progress();
   if (!estimate) return tl::unexpected(estimate.error());
   return say_estimate(arguments, *estimate, report, console);
@@ -174,7 +219,7 @@ Result<PrecomputedFile> precompute_to_file(const PrecomputeArguments& arguments,
   const Result<Input> input = read_input(arguments, console);
   if (!input) return tl::unexpected(input.error());
   PrecomputedFile file;
-  Result<Model> model = precompute(input->scene, input->options, file.report, observer(console, go_on));
+  Result<Model> model = precompute(input->scene, options_of(*input), file.report, observer(console, go_on));
   console.end_progress();
   if (!model) return tl::unexpected(model.error());
   for (const std::string& warning : file.report.warnings) console.warn(warning);
@@ -182,6 +227,10 @@ Result<PrecomputedFile> precompute_to_file(const PrecomputeArguments& arguments,
   if (go_on && !go_on()) return fail(ErrorCode::cancelled, "stopped before the file was written");
   if (const Result<void> written = write_model(*model, arguments.output); !written)
     return tl::unexpected(written.error());
+  if (input->options.keep_rows) {
+    if (const Result<void> written = write_file(rows_of(arguments.output), file.report.rows); !written)
+      return tl::unexpected(written.error());
+  }
   file.model = std::move(*model);
   file.bytes = std::filesystem::file_size(arguments.output);
   return file;

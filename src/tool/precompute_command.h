@@ -19,7 +19,8 @@ struct PrecomputeArguments {
   bool dry_run = false;       ///< nothing is written, and `output` may be empty
   PrecomputeOptions options;  ///< without sensors and probes
   std::optional<std::filesystem::path> sensors;
-  std::string probes = "none";  ///< or auto, or a spacing in metres, or a CSV
+  std::string probes = "none";                  ///< or auto, or a spacing in metres, or a CSV
+  std::optional<std::filesystem::path> update;  ///< an earlier model, whose rows lie beside it
 };
 
 /// What a precompute left in its file.

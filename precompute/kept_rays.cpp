@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+#include "precompute/kept_rays.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "precompute/unchanged_elements.h"
+
+namespace relume {
+namespace {
+
+void choose_lanes(std::uint32_t lanes, RayPacket& packet) {
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
+    if ((lanes >> lane & 1u) == 0) packet.far[lane] = -1.0f;
+  }
+}
+
+}  // namespace
+
+Result<KeptRays> KeptRays::compare(const SceneChange& change, const std::string& name, double texel_size,
+                                   const Surfaces& surfaces, const RayCaster& caster,
+                                   const SenderLookup& lookup, std::span<const std::uint64_t> element_keys) {
+  KeptRays kept(change);
+  if (kept.old_.settings.texel_size != texel_size) {
+    return fail(
+        ErrorCode::bad_input,
+        fmt::format("{}: expected rows of --texel-size {}, found those of {}; precompute without --update",
+                    name, texel_size, kept.old_.settings.texel_size));
+  }
+  if (!change.comparable()) return kept;
+  kept.old_codes_ = kept.old_.ray_codes();
+  kept.codes_ = {std::uint32_t(surfaces.geometry.triangles.size()), lookup.element_count()};
+  const Box& added = change.added_bounds();
+  kept.added_ball_ = {0.5f * (added.lower + added.upper), 0.5f * glm::length(added.upper - added.lower)};
+  kept.find_balls(surfaces);
+  kept.translate(surfaces, caster, lookup, element_keys);
+  kept.index_receivers();
+  return kept;
+}
+
+void KeptRays::find_balls(const Surfaces& surfaces) {
+  for (const ClusteredSurface& system : surfaces.systems) {
+    for (const Element& element : system.surface.elements) {
+      balls_.push_back({element.position, 0.0f});
+      for (std::uint32_t p = 0; p < element.piece_count; ++p) {
+        const SurfacePiece& shape = system.surface.pieces[element.first_piece + p].shape;
+        for (const glm::vec2& corner : shape.corners) {
+          const glm::vec3 at = surfaces.geometry.point(shape.triangle, corner.x, corner.y);
+          balls_.back().radius = std::max(balls_.back().radius, glm::length(at - element.position));
+        }
+      }
+    }
+  }
+}
+
+void KeptRays::translate(const Surfaces& surfaces, const RayCaster& caster, const SenderLookup& lookup,
+                         std::span<const std::uint64_t> keys) {
+  const Geometry& geometry = surfaces.geometry;
+  const auto ties = [](const std::vector<std::uint8_t>& flags, std::uint32_t t) {
+    return !flags.empty() && flags[t] != 0;
+  };
+  std::vector<bool> settled(geometry.triangles.size(),
+                            false);  // unchanged, and ties are looked for as before
+  for (std::uint32_t t = 0; t < change_.new_triangles().size(); ++t) {
+    if (change_.new_triangles()[t] == kNone) continue;
+    settled[change_.new_triangles()[t]] =
+        ties(old_.ties, t) == ties(caster.ties(), change_.new_triangles()[t]);
+  }
+  new_codes_.assign(old_codes_.count(), RayCodes::kUnknown);
+  new_codes_[RayCodes::kNoRay] = RayCodes::kNoRay;
+  for (std::uint32_t code = RayCodes::kFirstCell; RayCodes::is_sky(code); ++code) new_codes_[code] = code;
+  std::vector<bool> charted(geometry.triangles.size(), false);
+  for (const Chart& chart : surfaces.charts) {
+    for (const auto t : chart.triangles) charted[t] = true;
+  }
+  for (std::uint32_t t = 0; t < change_.new_triangles().size(); ++t) {
+    const std::uint32_t own = change_.new_triangles()[t];
+    if (own == kNone || !settled[own]) continue;
+    const std::uint32_t opposite = geometry.opposite[own];
+    if (opposite == kNone && !geometry.double_sided[geometry.material[own]])
+      new_codes_[old_codes_.back(t)] = codes_.back(own);
+    if (!charted[own] && (opposite == kNone || !charted[opposite]))
+      new_codes_[old_codes_.bare(t)] = codes_.bare(own);
+  }
+  old_elements_ = unchanged_elements(surfaces, lookup, keys, old_.element_keys, settled,
+                                     [&](std::uint32_t e, float reach) {
+                                       return change_.disturbed(balls_[e].middle, balls_[e].radius + reach);
+                                     });
+  for (std::uint32_t e = 0; e < old_elements_.size(); ++e) {
+    if (old_elements_[e] != kNone) new_codes_[old_codes_.element(old_elements_[e])] = codes_.element(e);
+  }
+}
+
+void KeptRays::index_receivers() {
+  std::uint64_t codes = 0, samples = 0, hits = 0;
+  for (const ReceiverRecord& receiver : old_.receivers) {
+    first_code_.push_back(codes), first_sample_.push_back(samples), first_hit_.push_back(hits);
+    codes += receiver.rays;
+    samples += (receiver.samples + kSamplesPerByte - 1) / kSamplesPerByte;
+    hits += receiver.emitter_hits;
+  }
+}
+
+std::optional<OldRays> KeptRays::find(std::uint64_t identity) const {
+  if (new_codes_.empty()) return std::nullopt;
+  const auto found = std::lower_bound(
+      old_.receivers.begin(), old_.receivers.end(), identity,
+      [](const ReceiverRecord& receiver, std::uint64_t wanted) { return receiver.identity < wanted; });
+  if (found == old_.receivers.end() || found->identity != identity) return std::nullopt;
+  const auto i = std::size_t(found - old_.receivers.begin());
+  return OldRays{old_.codes.data() + first_code_[i] * old_codes_.width(), found->rays,
+                 old_.samples.data() + first_sample_[i], found->samples,
+                 old_.emitter_hits.subspan(first_hit_[i], found->emitter_hits)};
+}
+
+std::uint32_t KeptRays::code(const OldRays& rays, std::uint32_t ray) const {
+  if (ray >= rays.rays) return RayCodes::kUnknown;
+  const std::uint32_t old = load_code(rays.codes, old_codes_.width(), ray);
+  return old < new_codes_.size() ? new_codes_[old] : RayCodes::kUnknown;
+}
+
+SampleState KeptRays::sample(const OldRays& rays, std::uint32_t sample) const {
+  if (sample >= rays.sample_count) return SampleState::unknown;
+  const unsigned four = std::to_integer<unsigned>(rays.samples[sample / kSamplesPerByte]);
+  return SampleState(four >> (2 * (sample % kSamplesPerByte)) & 3u);
+}
+
+bool KeptRays::was_whole(std::uint32_t element) const {
+  if (element >= old_elements_.size() || old_elements_[element] == kNone) return false;
+  // Between its middle and its patches, lifted (mutual_visibility.h).
+  constexpr float kReach = 1.6f;
+  const Ball& ball = balls_[element];
+  return old_.whole_elements[old_elements_[element]] != 0 &&
+         !change_.disturbed(ball.middle, kReach * ball.radius);
+}
+
+bool KeptRays::stands_clear(const glm::vec3& from, float reach, std::uint32_t element) const {
+  const Ball& ball = balls_[element];
+  const glm::vec3 way = ball.middle - from, to = added_ball_.middle - from;
+  const float along = std::clamp(glm::dot(to, way) / std::max(glm::dot(way, way), 1e-30f), 0.0f, 1.0f);
+  const glm::vec3 aside = to - along * way;
+  const float apart = added_ball_.radius + std::max(reach, ball.radius) + change_.margin();
+  return glm::dot(aside, aside) > apart * apart;
+}
+
+std::uint32_t KeptRays::blocked(const RayPacket& packet, std::uint32_t lanes,
+                                const std::array<std::uint32_t, kPacketSize>& codes) const {
+  if (!change_.added() || lanes == 0) return 0;
+  RayPacket test = packet;
+  test.far.fill(std::numeric_limits<float>::infinity());
+  choose_lanes(lanes, test);
+  change_.added()->closest_hits(test, RaySpread::narrow);
+  std::uint32_t blocked = 0;
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
+    if ((lanes >> lane & 1u) == 0 || test.triangle[lane] == kNoTriangle) continue;
+    float reach = std::numeric_limits<float>::infinity();
+    if (codes_.is_element(codes[lane])) {
+      const Ball& ball = balls_[codes[lane] - codes_.first_element()];
+      const glm::vec3 origin(packet.origin_x[lane], packet.origin_y[lane], packet.origin_z[lane]);
+      reach = glm::length(ball.middle - origin) + ball.radius + change_.margin();
+    }
+    if (test.far[lane] <= reach) blocked |= 1u << lane;
+  }
+  return blocked;
+}
+
+std::uint32_t KeptRays::newly_hidden(const RayPacket& packet, std::uint32_t lanes) const {
+  if (!change_.added() || lanes == 0) return 0;
+  RayPacket test = packet;
+  choose_lanes(lanes, test);
+  return change_.added()->occluded(test);
+}
+
+std::uint32_t KeptRays::freed(const RayPacket& packet, std::uint32_t lanes) const {
+  if (!change_.removed() || lanes == 0) return 0;
+  RayPacket test = packet;
+  choose_lanes(lanes, test);
+  return change_.removed()->occluded(test);
+}
+
+}  // namespace relume

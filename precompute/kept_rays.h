@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "precompute/ray_caster.h"
+#include "precompute/rows_file.h"
+#include "precompute/scene_change.h"
+#include "precompute/sender_lookup.h"
+#include "precompute/surfaces.h"
+
+namespace relume {
+
+/// What an earlier precompute knew of one receiver.
+struct OldRays {
+  const std::byte* codes = nullptr;
+  std::uint32_t rays = 0;
+  const std::byte* samples = nullptr;
+  std::uint32_t sample_count = 0;
+  std::span<const EmitterHit> emitter_hits;
+};
+
+/// The rays of an earlier precompute in a scene that has changed since. A ray still meets what it met when
+/// that is still there, unchanged, and nothing new stands before it. Thread-safe.
+class KeptRays {
+ public:
+  /// Borrows the change. Fails (bad_input) when the rows are those of another texel size; `name` is used in
+  /// messages.
+  static Result<KeptRays> compare(const SceneChange& change, const std::string& name, double texel_size,
+                                  const Surfaces& surfaces, const RayCaster& caster,
+                                  const SenderLookup& lookup, std::span<const std::uint64_t> element_keys);
+
+  /// Key of the emitters that the samples were drawn from.
+  std::uint64_t emitters() const { return old_.settings.emitters; }
+  const SceneChange& change() const { return change_; }
+
+  /// Of a receiver with this identity.
+  std::optional<OldRays> find(std::uint64_t identity) const;
+  /// What the ray met, in the codes of this scene; kUnknown when that is gone or changed.
+  std::uint32_t code(const OldRays& rays, std::uint32_t ray) const;
+  SampleState sample(const OldRays& rays, std::uint32_t sample) const;
+
+  /// Whether all light patches of an element of this scene belonged to it, and nothing there has changed.
+  bool was_whole(std::uint32_t element) const;
+  /// Whether nothing that was added lies between the points within `reach` of a place and those of an
+  /// element.
+  bool stands_clear(const glm::vec3& from, float reach, std::uint32_t element) const;
+  /// Of the lanes of a packet that `lanes` says, and that met what `codes` say: those that something new may
+  /// stand before.
+  std::uint32_t blocked(const RayPacket& packet, std::uint32_t lanes,
+                        const std::array<std::uint32_t, kPacketSize>& codes) const;
+  /// Of the lanes of a packet of segments (near 0, far 1): those that something new stands in.
+  std::uint32_t newly_hidden(const RayPacket& packet, std::uint32_t lanes) const;
+  /// Those that something stood in that is gone.
+  std::uint32_t freed(const RayPacket& packet, std::uint32_t lanes) const;
+
+ private:
+  struct Ball {
+    glm::vec3 middle{0.0f};
+    float radius = 0.0f;
+  };
+
+  explicit KeptRays(const SceneChange& change) : change_(change), old_(change.old()) {}
+  void find_balls(const Surfaces& surfaces);
+  void translate(const Surfaces& surfaces, const RayCaster& caster, const SenderLookup& lookup,
+                 std::span<const std::uint64_t> keys);
+  void index_receivers();
+
+  const SceneChange& change_;
+  const RowsFile& old_;
+  RayCodes old_codes_, codes_;
+  Ball added_ball_;
+  std::vector<std::uint32_t> old_elements_;  ///< per element of this scene: which it was, or kNone
+  std::vector<Ball> balls_;                  ///< per element of this scene: they hold it
+  std::vector<std::uint32_t> new_codes_;     ///< per old code; empty: nothing can be kept
+  std::vector<std::uint64_t> first_code_, first_sample_, first_hit_;  ///< per receiver
+};
+
+}  // namespace relume

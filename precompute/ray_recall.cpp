@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: MIT
+#include "precompute/ray_recall.h"
+
+#include <algorithm>
+#include <bit>
+#include <glm/geometric.hpp>
+
+namespace relume {
+namespace {
+
+bool before(const EmitterHit& hit, std::uint32_t ray) {
+  return hit.ray < ray;
+}
+
+}  // namespace
+
+void RayRecall::open_record(std::uint64_t identity, std::uint32_t rays, std::uint32_t samples) {
+  known_ = &memory_.record->of(identity);
+  lock_ = std::unique_lock(known_->in_use);
+  if (known_->rays < rays) {
+    known_->rays = rays;
+    known_->codes.resize(std::size_t{rays} * memory_.codes.width() + kCodePadding, std::byte{0});
+  }
+  if (known_->emitters != memory_.emitters) known_->samples.clear();
+  known_->emitters = memory_.emitters;
+  if (known_->samples.size() < samples) known_->samples.resize(samples, SampleState::unknown);
+  sorted_hits_ = known_->emitter_hits.size();
+}
+
+void RayRecall::begin(std::uint64_t identity, const Receiver& receiver, std::uint32_t rays,
+                      std::uint32_t samples) {
+  if (memory_.record) open_record(identity, rays, samples);
+  old_.reset();
+  if (memory_.kept == nullptr) return;
+  // Whether an origin belongs to a walled receiver depends on what stands around it.
+  const bool moved = receiver.walled() &&
+                     memory_.kept->change().disturbed(receiver.middle().position, 3.0f * receiver.reach());
+  if (!moved) old_ = memory_.kept->find(identity);
+  middle_ = receiver.middle().position, reach_ = receiver.reach();
+  old_samples_ = memory_.kept->emitters() == memory_.emitters;
+  faces_changes_ = memory_.kept->change().added().has_value() && faces_changes(receiver);
+}
+
+/// Whether some of what was added lies before the plane of the receiver.
+bool RayRecall::faces_changes(const Receiver& receiver) const {
+  const SurfacePoint& at = receiver.middle();
+  if (!receiver.origins().flat() || at.normal == glm::vec3(0.0f)) return true;
+  const Box& added = memory_.kept->change().added_bounds();
+  const glm::vec3 furthest(at.normal.x > 0.0f ? added.upper.x : added.lower.x,
+                           at.normal.y > 0.0f ? added.upper.y : added.lower.y,
+                           at.normal.z > 0.0f ? added.upper.z : added.lower.z);
+  const glm::vec3 way = furthest - at.position;
+  return glm::dot(way, at.normal) >= -1e-4f * glm::length(way);
+}
+
+void RayRecall::end() {
+  if (known_ == nullptr) return;
+  std::sort(known_->emitter_hits.begin(), known_->emitter_hits.end(),
+            [](const EmitterHit& a, const EmitterHit& b) { return a.ray < b.ray; });
+  lock_.unlock();
+  lock_.release();
+  known_ = nullptr;
+}
+
+bool RayRecall::tell(std::uint32_t code, std::uint32_t ray, std::span<const EmitterHit> hits,
+                     std::size_t lane, PacketSight& sight) const {
+  const RayCodes& codes = memory_.codes;
+  if (code < RayCodes::kFirstCell) {
+    sight.place[lane] = kNoRay;
+    return code == RayCodes::kNoRay;
+  }
+  if (!codes.is_element(code)) {
+    sight.place[lane] = RayCodes::is_sky(code) ? kSky + (code - RayCodes::kFirstCell)
+                        : codes.is_back(code)  ? SenderLookup::kBlackBack
+                                               : kNone;
+    return true;
+  }
+  const std::uint32_t element = code - codes.first_element();
+  sight.place[lane] = element;
+  if (!emitters_.contain(lookup_.sender_of(element))) return true;
+  const auto hit = std::lower_bound(hits.begin(), hits.end(), ray, before);
+  if (hit == hits.end() || hit->ray != ray) return false;
+  sight.distance[lane] = hit->distance, sight.cosine[lane] = hit->cosine;
+  return true;
+}
+
+std::uint32_t RayRecall::known_code(std::uint32_t ray) const {
+  if (known_ == nullptr || ray >= known_->rays) return RayCodes::kUnknown;
+  return load_code(known_->codes.data(), memory_.codes.width(), ray);
+}
+
+bool RayRecall::know(const RayNumbers& numbers, std::uint32_t asked, PacketSight& sight) {
+  std::array<std::uint32_t, kPacketSize> codes{};
+  std::uint32_t old = 0, shot = 0;
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
+    if ((asked >> lane & 1u) == 0) continue;
+    const std::uint32_t ray = numbers[lane];
+    std::uint32_t code = known_code(ray);
+    if (code == RayCodes::kUnknown) {
+      if (!old_) return false;
+      code = memory_.kept->code(*old_, ray);
+      if (code == RayCodes::kUnknown || !stands_clear(code)) return false;
+      old |= 1u << lane;
+    }
+    if (!tell(code, ray, {}, lane, sight)) return false;
+    codes[lane] = code;
+    if (code != RayCodes::kNoRay) shot |= 1u << lane;
+  }
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize) && known_ != nullptr; ++lane) {
+    if ((old >> lane & 1u) != 0) book_code(numbers[lane], codes[lane]);
+  }
+  kept_rays_ += std::uint64_t(std::popcount(old & shot));
+  return true;
+}
+
+/// Whether nothing new can stand before what the receiver saw, wherever on both the ray began and ended.
+bool RayRecall::stands_clear(std::uint32_t code) const {
+  if (!faces_changes_ || code == RayCodes::kNoRay) return true;
+  const RayCodes& codes = memory_.codes;
+  return codes.is_element(code) && memory_.kept->stands_clear(middle_, reach_, code - codes.first_element());
+}
+
+std::uint32_t RayRecall::recall(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,
+                                PacketSight& sight) {
+  std::span<const EmitterHit> hits;
+  if (known_ != nullptr) hits = std::span(known_->emitter_hits).first(sorted_hits_);
+  std::uint32_t answered = 0;
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
+    if ((asked >> lane & 1u) == 0) continue;
+    const std::uint32_t code = known_code(numbers[lane]);
+    if (code != RayCodes::kUnknown && tell(code, numbers[lane], hits, lane, sight)) answered |= 1u << lane;
+  }
+  if (old_ && answered != asked) answered |= recall_old(numbers, asked & ~answered, rays, sight);
+  return answered;
+}
+
+std::uint32_t RayRecall::recall_old(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,
+                                    PacketSight& sight) {
+  std::array<std::uint32_t, kPacketSize> codes{};
+  std::uint32_t told = 0, shot = 0;
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
+    if ((asked >> lane & 1u) == 0) continue;
+    codes[lane] = memory_.kept->code(*old_, numbers[lane]);
+    if (codes[lane] == RayCodes::kUnknown ||
+        !tell(codes[lane], numbers[lane], old_->emitter_hits, lane, sight)) {
+      continue;
+    }
+    told |= 1u << lane;
+    if (codes[lane] != RayCodes::kNoRay) shot |= 1u << lane;
+  }
+  if (faces_changes_) told &= ~memory_.kept->blocked(rays, shot, codes);
+  kept_rays_ += std::uint64_t(std::popcount(told & shot));
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize) && known_ != nullptr; ++lane) {
+    if ((told >> lane & 1u) == 0) continue;
+    book_code(numbers[lane], codes[lane]);
+    book_emitter_hit(numbers[lane], lane, sight);
+  }
+  return told;
+}
+
+void RayRecall::book_emitter_hit(std::uint32_t ray, std::size_t lane, const PacketSight& sight) {
+  if (sees_element(sight.place[lane]) && emitters_.contain(lookup_.sender_of(sight.place[lane])))
+    known_->emitter_hits.push_back({ray, sight.distance[lane], sight.cosine[lane]});
+}
+
+void RayRecall::book_code(std::uint32_t ray, std::uint32_t code) {
+  const std::uint32_t width = memory_.codes.width();
+  if (ray >= known_->rays) {
+    known_->rays = ray + 1;
+    known_->codes.resize(std::size_t{known_->rays} * width + kCodePadding, std::byte{0});
+  }
+  store_code(known_->codes.data(), width, ray, code);
+}
+
+void RayRecall::book(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays,
+                     const PacketSight& sight) {
+  const RayCodes& codes = memory_.codes;
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize) && known_ != nullptr; ++lane) {
+    if ((lanes >> lane & 1u) == 0) continue;
+    const std::uint32_t place = sight.place[lane];
+    book_code(numbers[lane], sees_element(place)                 ? codes.element(place)
+                             : sees_sky(place)                   ? RayCodes::kFirstCell + (place - kSky)
+                             : place == kNoRay                   ? RayCodes::kNoRay
+                             : place == SenderLookup::kBlackBack ? codes.back(rays.triangle[lane])
+                                                                 : codes.bare(rays.triangle[lane]));
+    book_emitter_hit(numbers[lane], lane, sight);
+  }
+}
+
+std::uint32_t RayRecall::recall_samples(std::uint32_t first, std::uint32_t asked, std::uint32_t useful,
+                                        const RayPacket& rays, SeenSamples& seen) {
+  std::array<SampleState, kPacketSize> states{};
+  std::uint32_t old_hidden = 0, old_visible = 0, answered = 0, old = 0;
+  for (std::uint32_t lane = 0; lane < std::uint32_t(kPacketSize); ++lane) {
+    if ((asked >> lane & 1u) == 0) continue;
+    if (known_ != nullptr) states[lane] = known_->samples[first + lane];
+    if (states[lane] == SampleState::unknown && old_ && old_samples_) {
+      states[lane] = memory_.kept->sample(*old_, first + lane);
+      old |= states[lane] == SampleState::unknown ? 0u : 1u << lane;
+      if (states[lane] == SampleState::hidden) old_hidden |= 1u << lane;
+      if (states[lane] == SampleState::visible) old_visible |= 1u << lane;
+    }
+    if (states[lane] != SampleState::unknown) answered |= 1u << lane;
+  }
+  answered &= ~changed_samples(rays, old_hidden & useful, old_visible & useful);
+  for (std::uint32_t lane = 0; lane < std::uint32_t(kPacketSize); ++lane) {
+    if ((answered >> lane & 1u) == 0) continue;
+    if (known_ != nullptr) known_->samples[first + lane] = states[lane];
+    if (states[lane] != SampleState::foreign) seen.owned |= 1u << lane;
+    if (states[lane] == SampleState::visible) seen.visible |= 1u << lane;
+  }
+  kept_samples_ += std::uint64_t(std::popcount(answered & old & useful & seen.owned));
+  return answered;
+}
+
+/// Of segments that were hidden, or visible: those that may not be any more.
+std::uint32_t RayRecall::changed_samples(const RayPacket& rays, std::uint32_t hidden,
+                                         std::uint32_t visible) const {
+  std::uint32_t changed = 0;
+  if (hidden != 0) changed |= memory_.kept->freed(rays, hidden);
+  if (visible != 0 && faces_changes_) changed |= memory_.kept->newly_hidden(rays, visible);
+  return changed;
+}
+
+void RayRecall::book_samples(std::uint32_t first, std::uint32_t lanes, const SeenSamples& seen) {
+  for (std::uint32_t lane = 0; lane < std::uint32_t(kPacketSize) && known_ != nullptr; ++lane) {
+    if ((lanes >> lane & 1u) == 0) continue;
+    known_->samples[first + lane] = (seen.owned >> lane & 1u) == 0     ? SampleState::foreign
+                                    : (seen.visible >> lane & 1u) == 0 ? SampleState::hidden
+                                                                       : SampleState::visible;
+  }
+}
+
+}  // namespace relume

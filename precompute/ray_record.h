@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <unordered_map>
+#include <vector>
+
+#include "precompute/ray_codes.h"
+#include "precompute/rows_file.h"
+
+namespace relume {
+
+/// What is known of the rays of one receiver.
+struct KnownRays {
+  std::mutex in_use;                     ///< hold it while you read or write
+  std::uint32_t rays = 0;                ///< room for so many codes
+  std::vector<std::byte> codes;          ///< empty, or `rays` codes and kCodePadding bytes
+  std::vector<EmitterHit> emitter_hits;  ///< ascending by ray, between the rows of a receiver
+  std::vector<SampleState> samples;
+  std::uint64_t emitters = 0;  ///< key of those that the samples were drawn from
+};
+
+/// Grows while rays are traced: whoever asks again for a ray need not trace it. Thread-safe.
+class RayRecord {
+ public:
+  explicit RayRecord(const RayCodes& codes) : codes_(codes), shelves_(kShelves) {}
+
+  /// Of a receiver, by its identity; lives as long as the record.
+  KnownRays& of(std::uint64_t identity);
+  /// Everything, into `file`, whose spans then point into its own bytes; forgets it. Samples of other
+  /// emitters than settings.emitters of the file are left out.
+  void move_into(RowsFile& file);
+
+ private:
+  static constexpr std::size_t kShelves = 64;
+  struct Shelf {
+    std::mutex mutex;
+    std::unordered_map<std::uint64_t, std::unique_ptr<KnownRays>> rays;
+  };
+  RayCodes codes_;
+  std::vector<Shelf> shelves_;
+};
+
+}  // namespace relume

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#include "precompute/ray_sight.h"
+
+#include <bit>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "core/sky.h"
+#include "precompute/ray_recall.h"
+
+namespace relume {
+namespace {
+
+/// Lanes outside of `lanes` have no ray.
+void choose_lanes(std::uint32_t lanes, RayPacket& rays) {
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
+    if ((lanes >> lane & 1u) == 0) rays.far[lane] = -1.0f;
+  }
+}
+
+}  // namespace
+
+RaySight::RaySight(const Geometry& geometry, const RayCaster& caster, const SenderLookup& lookup,
+                   const Emitters& emitters, RayMemory* memory)
+    : geometry_(geometry),
+      caster_(caster),
+      lookup_(lookup),
+      emitters_(emitters),
+      recall_(memory != nullptr ? std::make_unique<RayRecall>(*memory, emitters, lookup) : nullptr) {}
+RaySight::RaySight(RaySight&&) noexcept = default;
+RaySight::~RaySight() = default;
+
+void RaySight::begin(std::uint64_t identity, const Receiver& receiver, std::uint32_t rays,
+                     std::uint32_t samples) {
+  if (recall_) recall_->begin(identity, receiver, rays, samples);
+}
+
+void RaySight::end() {
+  if (recall_) recall_->end();
+}
+
+std::uint64_t RaySight::kept() const {
+  return recall_ ? recall_->kept_rays() : 0;
+}
+
+std::uint64_t RaySight::kept_samples() const {
+  return recall_ ? recall_->kept_samples() : 0;
+}
+
+bool RaySight::know(const RayNumbers& numbers, std::uint32_t asked, PacketSight& sight) {
+  if (!recall_) return false;
+  sight.place.fill(kNoRay);
+  return recall_->know(numbers, asked, sight);
+}
+
+std::uint32_t RaySight::recall(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,
+                               PacketSight& sight) {
+  sight.place.fill(kNoRay);
+  return recall_ ? recall_->recall(numbers, asked, rays, sight) : 0;
+}
+
+void RaySight::trace(std::uint32_t lanes, RayPacket& rays, PacketSight& sight) {
+  choose_lanes(lanes, rays);
+  traced_ += std::uint64_t(std::popcount(lanes));
+  caster_.closest_hits(rays, RaySpread::narrow);
+  std::uint32_t doubtful = 0;
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
+    if ((lanes >> lane & 1u) == 0) continue;
+    look_up(lane, rays, sight);
+    const std::uint32_t place = sight.place[lane];
+    if (place == kNone || (sees_element(place) && lookup_.near_walls(place))) doubtful |= 1u << lane;
+  }
+  if (doubtful == 0) return;
+  const RayPacket::Numbers met = rays.triangle;
+  caster_.settle(rays, doubtful);
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
+    if ((doubtful >> lane & 1u) != 0 && rays.triangle[lane] != met[lane]) look_up(lane, rays, sight);
+  }
+}
+
+void RaySight::look_up(std::size_t lane, const RayPacket& rays, PacketSight& sight) const {
+  const std::uint32_t triangle = rays.triangle[lane];
+  const glm::vec3 direction(rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]);
+  if (triangle == kNoTriangle) {
+    sight.place[lane] = kSky + sky_cell(glm::dvec3(direction), RayCodes::kSkyResolution);
+    return;
+  }
+  const std::uint32_t place = lookup_.seen(triangle, rays.u[lane], rays.v[lane], direction);
+  sight.place[lane] = place;
+  if (place >= SenderLookup::kBlackBack || !emitters_.contain(lookup_.sender_of(place))) return;
+  sight.distance[lane] = rays.far[lane];
+  sight.cosine[lane] = std::abs(glm::dot(direction, geometry_.normals[triangle]));
+}
+
+void RaySight::book(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays,
+                    const PacketSight& sight) {
+  if (recall_) recall_->book(numbers, lanes, rays, sight);
+}
+
+std::uint32_t RaySight::recall_samples(std::uint32_t first, std::uint32_t asked, std::uint32_t useful,
+                                       const RayPacket& rays, SeenSamples& seen) {
+  return recall_ ? recall_->recall_samples(first, asked, useful, rays, seen) : 0;
+}
+
+std::uint32_t RaySight::unhidden(std::uint32_t lanes, RayPacket& rays) {
+  choose_lanes(lanes, rays);
+  traced_samples_ += std::uint64_t(std::popcount(lanes));
+  return lanes & ~caster_.occluded(rays);
+}
+
+void RaySight::book_samples(std::uint32_t first, std::uint32_t lanes, const SeenSamples& seen) {
+  if (recall_) recall_->book_samples(first, lanes, seen);
+}
+
+}  // namespace relume

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+//
+// A .rows file: what every ray of a precompute met, by names that outlive changes of the scene, so that the
+// next precompute need not trace again what nothing stands in the way of (src/FILE_FORMAT.md, section 5).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "precompute/ray_codes.h"
+
+namespace relume {
+
+/// What rays asked of the scene. Stored.
+struct RowsSettings {
+  std::uint32_t version = 1;  ///< of these sections
+  float offset = 0.0f;        ///< m, that rays are lifted by
+  std::uint64_t seed = 0;
+  double texel_size = 0.0, cluster_size = 0.0;  ///< m
+  glm::dvec3 origin{0.0};
+  std::uint64_t emitters = 0;  ///< key of the possible emitters that samples were drawn from
+};
+static_assert(sizeof(RowsSettings) == 64);
+
+/// A ray that met a possible emitter. Stored.
+struct EmitterHit {
+  std::uint32_t ray = 0;                 ///< which point of the sequence
+  float distance = 0.0f, cosine = 0.0f;  ///< m; of the angle to its normal there, above 0
+};
+static_assert(sizeof(EmitterHit) == 12);
+
+/// How much is known of one receiver. Stored.
+struct ReceiverRecord {
+  std::uint64_t identity = 0;  ///< Receiver::identity, or of a probe
+  std::uint32_t rays = 0;      ///< codes, one for each point of the sequence
+  std::uint32_t samples = 0;   ///< of emitters' area
+  std::uint32_t emitter_hits = 0;
+  std::uint32_t reserved = 0;  ///< zero
+};
+static_assert(sizeof(ReceiverRecord) == 24);
+
+/// A sample of an emitter's area, in two bits.
+enum class SampleState : std::uint8_t {
+  unknown,
+  foreign /**< its origin is not the receiver's */,
+  hidden,
+  visible
+};
+
+/// Samples are stored four to a byte, lowest bits first.
+inline constexpr std::uint32_t kSamplesPerByte = 4;
+
+struct RowsFile {
+  RowsSettings settings;
+  std::string scene_file, ray_tracer;
+  std::vector<std::string> nodes;  ///< paths
+  std::vector<glm::vec3> positions;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  std::vector<std::uint64_t> triangle_keys;  ///< geometry_keys.h
+  std::vector<std::uint32_t> triangle_nodes;
+  std::vector<std::uint8_t> ties;  ///< per triangle: RayCaster::ties
+  std::vector<std::uint64_t> element_keys;
+  std::vector<std::uint8_t> whole_elements;    ///< per element: all of its light patches belong to it
+  std::vector<ReceiverRecord> receivers;       ///< ascending by identity
+  std::span<const std::byte> codes;            ///< of all receivers; kCodePadding bytes follow
+  std::span<const std::byte> samples;          ///< of all receivers; each begins a new byte
+  std::span<const EmitterHit> emitter_hits;    ///< of all receivers, of each ascending by ray
+  std::vector<std::byte> bytes, sample_bytes;  ///< that these three may point into
+
+  RayCodes ray_codes() const { return {std::uint32_t(triangles.size()), std::uint32_t(element_keys.size())}; }
+};
+
+/// The bytes of a .rows file.
+std::vector<std::byte> encode_rows(const RowsFile& rows);
+
+/// Verifies structure, checksums, sizes and order. `name` is used in messages.
+Result<RowsFile> decode_rows(std::vector<std::byte> bytes, const std::string& name);
+
+}  // namespace relume

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "precompute/rows_keeper.h"
+
+#include "precompute/geometry_keys.h"
+
+namespace relume {
+
+RowsKeeper::RowsKeeper(const Scene& scene, const PrecomputeOptions& options, const Geometry& geometry,
+                       const RayCaster& caster)
+    : scene_(scene), options_(options), caster_(caster), triangle_keys_(triangle_keys(geometry)) {}
+
+Result<std::unique_ptr<RowsKeeper>> RowsKeeper::start(const Scene& scene, const PrecomputeOptions& options,
+                                                      const Geometry& geometry, const RayCaster& caster,
+                                                      PrecomputeReport& report) {
+  std::unique_ptr<RowsKeeper> keeper(new RowsKeeper(scene, options, geometry, caster));
+  if (options.old_rows == nullptr) return keeper;
+  auto change = SceneChange::find(*options.old_rows, options.old_rows_name, scene, geometry, caster,
+                                  options.seed, keeper->triangle_keys_);
+  if (!change) return tl::unexpected(change.error());
+  report.changed_nodes = change->nodes();
+  keeper->change_.emplace(std::move(*change));
+  return keeper;
+}
+
+std::optional<EarlierSurfaces> RowsKeeper::earlier() const {
+  if (!change_) return std::nullopt;
+  return EarlierSurfaces{*change_, triangle_keys_};
+}
+
+Result<void> RowsKeeper::follow(const Surfaces& surfaces, const SenderLookup& lookup,
+                                const PrecomputeReport& report) {
+  surfaces_ = &surfaces;
+  element_keys_ =
+      element_keys({surfaces.geometry, triangle_keys_, surfaces.charts, surfaces.layouts}, surfaces.systems);
+  memory_.codes = {std::uint32_t(triangle_keys_.size()), lookup.element_count()};
+  if (options_.keep_rows) memory_.record.emplace(memory_.codes);
+  if (!change_) return {};
+  auto kept = KeptRays::compare(*change_, options_.old_rows_name, report.texel_size, surfaces, caster_,
+                                lookup, element_keys_);
+  if (!kept) return tl::unexpected(kept.error());
+  memory_.kept = &kept_.emplace(std::move(*kept));
+  return {};
+}
+
+WholeElements RowsKeeper::known_whole(const std::vector<std::vector<std::uint32_t>>& orders) const {
+  WholeElements whole;
+  std::uint32_t first = 0;
+  for (const auto& order : orders) {
+    whole.emplace_back(order.size(), 0);
+    for (std::size_t i = 0; i < order.size() && kept_; ++i)
+      whole.back()[i] = kept_->was_whole(first + order[i]) ? 1 : 0;
+    first += std::uint32_t(order.size());
+  }
+  return whole;
+}
+
+void RowsKeeper::keep_whole(const std::vector<std::vector<std::uint32_t>>& orders,
+                            const WholeElements& whole) {
+  whole_.assign(element_keys_.size(), 0);
+  std::uint32_t first = 0;
+  for (std::size_t s = 0; s < orders.size(); ++s) {
+    for (std::size_t i = 0; i < orders[s].size(); ++i) whole_[first + orders[s][i]] = whole[s][i];
+    first += std::uint32_t(orders[s].size());
+  }
+}
+
+std::uint64_t RowsKeeper::memory_of(std::uint64_t rays) const {
+  // As they are, and once more in the file's bytes; those of the old file are there already.
+  return memory_.record ? 2 * rays * memory_.codes.width() : 0;
+}
+
+std::vector<std::byte> RowsKeeper::finish(const PrecomputeReport& report) {
+  const Geometry& geometry = surfaces_->geometry;
+  RowsFile file;
+  file.settings.offset = geometry.offset;
+  file.settings.seed = options_.seed;
+  file.settings.texel_size = report.texel_size, file.settings.cluster_size = report.cluster_size;
+  file.settings.origin = geometry.origin;
+  file.settings.emitters = memory_.emitters;
+  file.scene_file = scene_.file_name, file.ray_tracer = caster_.description();
+  for (const SceneNode& node : scene_.nodes) file.nodes.push_back(node.path);
+  file.positions = geometry.positions, file.triangles = geometry.triangles;
+  file.triangle_keys = std::move(triangle_keys_), file.triangle_nodes = geometry.node;
+  file.ties = caster_.ties();
+  file.element_keys = std::move(element_keys_), file.whole_elements = std::move(whole_);
+  memory_.record->move_into(file);
+  return encode_rows(file);
+}
+
+}  // namespace relume

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/result.h"
+#include "precompute/kept_rays.h"
+#include "precompute/light_samples.h"
+#include "precompute/precompute.h"
+#include "precompute/ray_recall.h"
+#include "precompute/surfaces.h"
+
+namespace relume {
+
+/// Remembers the rays of a precompute, from PrecomputeOptions::old_rows on, until they become
+/// PrecomputeReport::rows.
+class RowsKeeper {
+ public:
+  /// Before surfaces are cut. Borrows scene, options and caster. Fails as SceneChange::find does.
+  static Result<std::unique_ptr<RowsKeeper>> start(const Scene& scene, const PrecomputeOptions& options,
+                                                   const Geometry& geometry, const RayCaster& caster,
+                                                   PrecomputeReport& report);
+  /// For cut_surfaces; nothing without old rows.
+  std::optional<EarlierSurfaces> earlier() const;
+  /// Once they are cut; borrows both. Fails as KeptRays::compare does.
+  Result<void> follow(const Surfaces& surfaces, const SenderLookup& lookup, const PrecomputeReport& report);
+
+  RayMemory& memory() { return memory_; }
+  /// Elements whose light patches are known to be all their own, in the `orders` in which the model has
+  /// elements; and what has been found.
+  WholeElements known_whole(const std::vector<std::vector<std::uint32_t>>& orders) const;
+  void keep_whole(const std::vector<std::vector<std::uint32_t>>& orders, const WholeElements& whole);
+  /// Bytes that so many rays take at most, until their file is written.
+  std::uint64_t memory_of(std::uint64_t rays) const;
+  /// The bytes of a .rows file, where options ask to keep rows. Forgets the rays.
+  std::vector<std::byte> finish(const PrecomputeReport& report);
+
+ private:
+  RowsKeeper(const Scene& scene, const PrecomputeOptions& options, const Geometry& geometry,
+             const RayCaster& caster);
+
+  const Scene& scene_;
+  const PrecomputeOptions& options_;
+  const RayCaster& caster_;
+  const Surfaces* surfaces_ = nullptr;  ///< once they are cut
+  std::vector<std::uint64_t> triangle_keys_, element_keys_;
+  std::vector<std::uint8_t> whole_;  ///< per element of all systems
+  std::optional<SceneChange> change_;
+  std::optional<KeptRays> kept_;
+  RayMemory memory_;
+};
+
+}  // namespace relume

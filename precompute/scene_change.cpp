@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+#include "precompute/scene_change.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <unordered_map>
+
+#include "core/ray_offset.h"
+
+namespace relume {
+namespace {
+
+/// Rounding of hits, and the slack with which ties are settled (ray_caster.cpp), are far below this share of
+/// the largest coordinate.
+constexpr float kMargin = 0x1p-15f;
+
+/// Of `old_of`, the longest part that ascends (M. Fredman, On Computing the Length of Longest Increasing
+/// Subsequences, 1975): true where an entry belongs to it. kNone never does.
+std::vector<bool> ascending(const std::vector<std::uint32_t>& old_of) {
+  std::vector<std::uint32_t> ends, before(old_of.size(), kNone);  // indices into old_of
+  for (std::uint32_t i = 0; i < old_of.size(); ++i) {
+    if (old_of[i] == kNone) continue;
+    const auto at =
+        std::lower_bound(ends.begin(), ends.end(), old_of[i],
+                         [&](std::uint32_t end, std::uint32_t value) { return old_of[end] < value; });
+    if (at != ends.begin()) before[i] = *(at - 1);
+    if (at == ends.end()) {
+      ends.push_back(i);
+    } else {
+      *at = i;
+    }
+  }
+  std::vector<bool> chosen(old_of.size(), false);
+  for (std::uint32_t i = ends.empty() ? kNone : ends.back(); i != kNone; i = before[i]) chosen[i] = true;
+  return chosen;
+}
+
+template <class Positions, class Triangles>
+Box box_of(const Positions& positions, const Triangles& triangle) {
+  Box box{positions[triangle[0]], positions[triangle[0]]};
+  for (const auto corner : triangle) box = join(box, {positions[corner], positions[corner]});
+  return box;
+}
+
+Result<std::optional<RayCaster>> caster_of(std::span<const glm::vec3> positions,
+                                           std::span<const std::array<std::uint32_t, 3>> triangles,
+                                           const std::vector<std::uint32_t>& some) {
+  if (some.empty()) return std::optional<RayCaster>();
+  std::vector<std::array<std::uint32_t, 3>> own;
+  for (const auto t : some) own.push_back(triangles[t]);
+  auto caster = RayCaster::create(positions, own);
+  if (!caster) return tl::unexpected(caster.error());
+  return std::optional<RayCaster>(std::move(*caster));
+}
+
+Result<void> check_settings(const RowsFile& old, const std::string& name, std::uint64_t seed,
+                            const RayCaster& caster) {
+  const auto bad = [&](const std::string& what) {
+    return fail(ErrorCode::bad_input, fmt::format("{}: {}; precompute without --update", name, what));
+  };
+  if (old.settings.seed != seed)
+    return bad(fmt::format("expected rows of --seed {}, found those of {}", seed, old.settings.seed));
+  if (old.ray_tracer != caster.description()) {
+    return bad(
+        fmt::format("expected rows traced by {}, found those of {}", caster.description(), old.ray_tracer));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<SceneChange> SceneChange::find(const RowsFile& old, const std::string& name, const Scene& scene,
+                                      const Geometry& geometry, const RayCaster& caster, std::uint64_t seed,
+                                      std::span<const std::uint64_t> keys) {
+  if (auto same = check_settings(old, name, seed, caster); !same) return tl::unexpected(same.error());
+  SceneChange change(old);
+  change.margin_ = kMargin * largest_coordinate(geometry.positions);
+  change.match(geometry, scene, keys);
+  if (change.removed_triangles_.size() == old.triangles.size()) {
+    return fail(
+        ErrorCode::bad_input,
+        fmt::format("{}: expected rows of an earlier {}, found those of {}, which has no triangle in common "
+                    "with it; precompute without --update",
+                    name, scene.file_name, old.scene_file));
+  }
+  change.comparable_ = old.settings.origin == geometry.origin && old.settings.offset == geometry.offset;
+  if (!change.comparable_) return change;
+  change.old_elements_.insert(old.element_keys.begin(), old.element_keys.end());
+  if (auto cast = change.cast(geometry); !cast) return tl::unexpected(cast.error());
+  return change;
+}
+
+void SceneChange::match(const Geometry& geometry, const Scene& scene, std::span<const std::uint64_t> keys) {
+  std::unordered_map<std::uint64_t, std::uint32_t> old_of_key;
+  old_of_key.reserve(old_.triangles.size());
+  for (std::uint32_t t = 0; t < old_.triangles.size(); ++t) old_of_key.try_emplace(old_.triangle_keys[t], t);
+  std::vector<std::uint32_t> old_of(keys.size(), kNone);
+  for (std::uint32_t t = 0; t < keys.size(); ++t) {
+    if (const auto found = old_of_key.find(keys[t]); found != old_of_key.end()) old_of[t] = found->second;
+  }
+  // Hits at equal distance go to the lowest triangle: those that changed places are new ones.
+  const std::vector<bool> unchanged = ascending(old_of);
+  std::set<std::string> nodes;
+  new_triangles_.assign(old_.triangles.size(), kNone);
+  for (std::uint32_t t = 0; t < keys.size(); ++t) {
+    if (unchanged[t]) {
+      new_triangles_[old_of[t]] = t;
+      continue;
+    }
+    added_triangles_.push_back(t);
+    nodes.insert(scene.nodes[geometry.node[t]].path);
+  }
+  for (std::uint32_t t = 0; t < new_triangles_.size(); ++t) {
+    if (new_triangles_[t] != kNone) continue;
+    removed_triangles_.push_back(t);
+    nodes.insert(old_.nodes[old_.triangle_nodes[t]]);
+  }
+  nodes_.assign(nodes.begin(), nodes.end());
+}
+
+Result<void> SceneChange::cast(const Geometry& geometry) {
+  auto added = caster_of(geometry.positions, geometry.triangles, added_triangles_);
+  if (!added) return tl::unexpected(added.error());
+  auto removed = caster_of(old_.positions, old_.triangles, removed_triangles_);
+  if (!removed) return tl::unexpected(removed.error());
+  added_ = std::move(*added), removed_ = std::move(*removed);
+  std::vector<Box> boxes;
+  for (const auto t : added_triangles_) boxes.push_back(box_of(geometry.positions, geometry.triangles[t]));
+  if (!boxes.empty()) {
+    added_bounds_ = BoxTree(boxes).bounds();
+  }
+  for (const auto t : removed_triangles_) boxes.push_back(box_of(old_.positions, old_.triangles[t]));
+  boxes_ = BoxTree(std::move(boxes));
+  return {};
+}
+
+bool SceneChange::disturbed(const glm::vec3& position, float reach) const {
+  const glm::vec3 far(reach + margin_);
+  return boxes_.meets({position - far, position + far});
+}
+
+}  // namespace relume

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "core/model_file.h"
+#include "precompute/precompute.h"
+#include "precompute/rows_file.h"
+#include "support/alpha_materials.h"
+#include "support/scene_builder.h"
+
+namespace relume::test {
+namespace {
+
+using P = glm::dvec3;
+
+/// What differs between the scenes of these tests.
+struct Room {
+  P box{1.03, 0.0, 0.57};  ///< lower corner of a cabinet
+  bool stool = false;      ///< one more thing, before all others
+  bool pane = true;        ///< a see-through pane and a grid
+  P lamp{2.0, 1.8, 1.0};
+  Rgb wall{0.6}, shine{50.0};
+};
+
+/// A room without its front wall: sky, walls that things run through, a lamp, a pane that stops half of the
+/// light.
+Scene scene_of(const Room& room) {
+  SceneBuilder b;
+  const auto wall = b.material("wall", room.wall), lamp = b.material("lamp", Rgb(0.3), room.shine);
+  if (room.stool)
+    b.add_box("stool", wall, P(0.4, 0.3, 2.2), P(0.71, 0.62, 2.5), SceneBuilder::Facing::outward);
+  b.add_quad("floor", wall, {P(0, 0, 0), P(0, 0, 3), P(4, 0, 3), P(4, 0, 0)});
+  b.add_quad("ceiling", wall, {P(0, 2, 0), P(4, 2, 0), P(4, 2, 3), P(0, 2, 3)});
+  b.add_quad("wall/a", wall, {P(0, 0, 0), P(4, 0, 0), P(4, 2, 0), P(0, 2, 0)});
+  b.add_quad("wall/b", wall, {P(0, 0, 3), P(0, 0, 0), P(0, 2, 0), P(0, 2, 3)});
+  b.add_quad("wall/c", wall, {P(4, 0, 0), P(4, 0, 3), P(4, 2, 3), P(4, 2, 0)});
+  b.add_standing_box("cabinet", wall, room.box, room.box + P(0.68, 0.8, 0.56));
+  b.add_box("plate", wall, P(2.2, 0.5, 1.2), P(3.1, 0.54, 2.3), SceneBuilder::Facing::outward);
+  b.add_quad("screen", b.material("screen", Rgb(0.5), Rgb(0.0), true),
+             {P(0.83, 0, 1.61), P(2.11, 0, 2.77), P(2.11, 1.5, 2.77), P(0.83, 1.5, 1.61)});
+  if (room.pane) {
+    b.add_quad("pane", blend_material(b, Rgb(0.4), 0.5),
+               {P(2.8, 0.2, 0.4), P(3.6, 0.2, 0.9), P(3.6, 1.7, 0.9), P(2.8, 1.7, 0.4)});
+    b.add_quad("grid", checker_material(b, Rgb(0.4)),
+               {P(3.0, 0.1, 2.4), P(3.9, 0.1, 2.6), P(3.9, 1.1, 2.6), P(3.0, 1.1, 2.4)});
+    map_last_quad(b, 3, 3);
+  }
+  const P l = room.lamp;
+  b.add_quad("lamp", lamp, {l, l + P(0.4, 0, 0), l + P(0.4, 0, 0.3), l + P(0, 0, 0.3)});
+  return b.scene();
+}
+
+/// Lumels, sensors and a grid of probes, full rows.
+PrecomputeOptions plain_options() {
+  PrecomputeOptions options;
+  options.cluster_size = 0.4;
+  options.texel_size = 0.2;
+  options.quality = 32;
+  options.sensors = {{"a", {2.0, 0.0, 0.3}, {0, 1, 0}}, {"b", {2.1, 1.0, 2.0}, {0, -1, 0}}};
+  options.sensor_quality = 256;
+  options.probe_spacing = 1.0;
+  return options;
+}
+
+/// Rays and nodes as an error asks for, directions.
+PrecomputeOptions target_options() {
+  PrecomputeOptions options;
+  options.texel_size = 0.4;
+  options.error = 0.3;
+  options.probe_spacing = 2.0;
+  options.directional = true;
+  options.sensors = plain_options().sensors;
+  return options;
+}
+
+struct Built {
+  std::vector<std::byte> model, rows;
+  PrecomputeReport report;
+
+  RowsFile file() const { return *decode_rows(rows, "old.rows"); }
+  double traced_share() const {
+    return double(report.traced_rays) / double(report.traced_rays + report.kept_rays);
+  }
+};
+
+Built build(const Room& room, PrecomputeOptions options, std::uint32_t threads = 0,
+            const RowsFile* old = nullptr, bool keep_rows = true) {
+  Built built;
+  options.threads = threads;
+  options.keep_rows = keep_rows;
+  options.old_rows = old, options.old_rows_name = "old.rows";
+  const auto model = precompute(scene_of(room), options, built.report);
+  EXPECT_TRUE(model) << model.error().message;
+  if (!model) return built;
+  built.model = encode_model(*model);
+  built.rows = std::move(built.report.rows);
+  return built;
+}
+
+using Options = PrecomputeOptions (*)();
+
+/// The update of `before` is what a clean build of `after` is: model and rows, for any number of threads.
+Built expect_clean(const Room& before, const Room& after, Options options) {
+  const RowsFile old = build(before, options()).file();
+  const Built clean = build(after, options());
+  Built updated;
+  for (const std::uint32_t threads : {1u, 3u}) {
+    updated = build(after, options(), threads, &old);
+    EXPECT_TRUE(updated.model == clean.model) << threads << " threads";
+    EXPECT_TRUE(updated.rows == clean.rows) << threads << " threads";
+  }
+  EXPECT_TRUE(build(after, options(), 0, &old, /*keep_rows=*/false).model == clean.model);
+  return updated;
+}
+
+class Update : public testing::TestWithParam<Options> {};
+
+TEST_P(Update, OfAMovedThingIsACleanBuild) {
+  const Room before;
+  Room after;
+  after.box += P(0.31, 0.0, 0.17);
+  const Built updated = expect_clean(before, after, GetParam());
+  EXPECT_EQ(updated.report.changed_nodes, std::vector<std::string>{"cabinet"});
+  EXPECT_LT(updated.traced_share(), 0.6);
+}
+
+TEST_P(Update, OfAnAddedThingAndOfOneTakenAwayIsACleanBuild) {
+  Room without, with;
+  with.stool = true;
+  EXPECT_EQ(expect_clean(without, with, GetParam()).report.changed_nodes, std::vector<std::string>{"stool"});
+  EXPECT_EQ(expect_clean(with, without, GetParam()).report.changed_nodes, std::vector<std::string>{"stool"});
+}
+
+INSTANTIATE_TEST_SUITE_P(Precompute, Update, testing::Values(plain_options, target_options),
+                         [](const auto& of) { return of.param == plain_options ? "plain" : "target"; });
+
+TEST(UpdateOf, PanesAndLampsThatMoveIsACleanBuild) {
+  Room without_panes, moved_lamp;
+  without_panes.pane = false;
+  expect_clean(Room(), without_panes, plain_options);
+  expect_clean(without_panes, Room(), plain_options);
+  moved_lamp.lamp += P(0.5, -0.3, 0.4);
+  expect_clean(Room(), moved_lamp, plain_options);
+}
+
+TEST(UpdateOf, ColoursAndLightsTracesNothing) {
+  Room painted;
+  painted.wall = Rgb(0.2), painted.shine = Rgb(400.0);
+  const Built surfaces_only = [] {  // what is traced to cut surfaces, whoever does it
+    PrecomputeOptions few = plain_options();
+    few.sensors.clear(), few.probe_spacing = 0.0;
+    return build(Room(), few);
+  }();
+  const Built updated = expect_clean(Room(), painted, plain_options);
+  EXPECT_TRUE(updated.report.changed_nodes.empty());
+  const std::uint64_t rays_of_surfaces =
+      surfaces_only.report.traced_rays + surfaces_only.report.kept_rays - surfaces_only.report.rays;
+  EXPECT_LT(updated.report.traced_rays, rays_of_surfaces);
+}
+
+TEST(UpdateOf, OtherProbesTracesOnlyThem) {
+  const RowsFile old = build(Room(), plain_options()).file();
+  PrecomputeOptions denser = plain_options();
+  denser.probe_spacing = 0.7;
+  const Built clean = build(Room(), denser), updated = build(Room(), denser, 0, &old);
+  EXPECT_TRUE(updated.model == clean.model);
+  EXPECT_LT(updated.report.traced_rays, clean.report.traced_rays);
+  PrecomputeOptions coarser = plain_options();
+  coarser.budget = 64;
+  EXPECT_TRUE(build(Room(), coarser, 0, &old).model == build(Room(), coarser).model) << "cut again";
+}
+
+TEST(UpdateOf, ProbesPlacedWhereLightChangesIsACleanBuild) {
+  PrecomputeOptions options = target_options();
+  options.probe_spacing = 0.0, options.auto_probes = true;
+  options.directional = false;
+  Room after;
+  after.box += P(0.31, 0.0, 0.17);
+  const RowsFile old = build(Room(), options).file();
+  const Built clean = build(after, options), updated = build(after, options, 0, &old);
+  EXPECT_TRUE(updated.model == clean.model);
+  EXPECT_TRUE(updated.rows == clean.rows);
+}
+
+TEST(UpdateOf, RowsTakesTheirSizesUnlessOthersAreAskedFor) {
+  PrecomputeOptions options = plain_options();
+  options.texel_size = 0.21, options.cluster_size = 0.47;
+  const RowsFile old = build(Room(), options).file();
+  options.texel_size = options.cluster_size = 0.0;
+  const Built updated = build(Room(), options, 0, &old);
+  EXPECT_EQ(updated.report.texel_size, 0.21);
+  EXPECT_EQ(updated.report.cluster_size, 0.47);
+}
+
+TEST(UpdateOf, KeepingRowsChangesNothingInTheModel) {
+  PrecomputeReport report;
+  const auto model = precompute(scene_of(Room()), plain_options(), report);
+  ASSERT_TRUE(model);
+  EXPECT_TRUE(report.rows.empty());
+  EXPECT_TRUE(encode_model(*model) == build(Room(), plain_options()).model);
+}
+
+std::string refusal(const Scene& scene, const PrecomputeOptions& options) {
+  PrecomputeReport report;
+  const auto model = precompute(scene, options, report);
+  if (model) return "none";
+  EXPECT_EQ(model.error().code, ErrorCode::bad_input);
+  return model.error().message;
+}
+
+TEST(UpdateOf, ForeignRowsAreRefused) {
+  const RowsFile old = build(Room(), plain_options()).file();
+  PrecomputeOptions options = plain_options();
+  options.old_rows = &old, options.old_rows_name = "old.rows";
+  options.seed = 1;
+  EXPECT_EQ(refusal(scene_of(Room()), options),
+            "old.rows: expected rows of --seed 1, found those of 0; precompute without --update");
+  options.seed = 0, options.texel_size = 0.3;
+  EXPECT_EQ(refusal(scene_of(Room()), options),
+            "old.rows: expected rows of --texel-size 0.3, found those of 0.2; precompute without --update");
+  options.texel_size = 0.2;
+  SceneBuilder other;
+  other.add_room("other", other.material("wall", Rgb(0.5)), P(0, 0, 0), P(3, 2, 2));
+  EXPECT_NE(refusal(other.scene(), options).find("no triangle in common"), std::string::npos);
+}
+
+TEST(RowsFileOf, TornOrMutatedBytesIsRefused) {
+  const std::vector<std::byte> good = build(Room(), plain_options()).rows;
+  ASSERT_TRUE(decode_rows(good, "r"));
+  const std::size_t step = good.size() / 300;
+  for (std::size_t at = 0; at < good.size(); at += step) {
+    std::vector<std::byte> bad = good;
+    bad[at] ^= std::byte{1};
+    EXPECT_FALSE(decode_rows(bad, "r")) << "byte " << at;
+    bad.resize(at);
+    EXPECT_FALSE(decode_rows(bad, "r")) << "cut at " << at;
+  }
+}
+
+TEST(RowsFileOf, AFutureVersionOrAModelIsRefused) {
+  const Built built = build(Room(), plain_options());
+  RowsFile future = built.file();
+  future.settings.version = 2;
+  const auto refused = decode_rows(encode_rows(future), "r");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message, "r: section 'RINF': expected version 1 of the rows, found 2");
+  EXPECT_EQ(refused.error().code, ErrorCode::bad_input);
+  EXPECT_FALSE(decode_rows(built.model, "r"));
+  RowsFile short_of_rays = built.file();
+  short_of_rays.receivers.pop_back();
+  EXPECT_FALSE(decode_rows(encode_rows(short_of_rays), "r"));
+}
+
+}  // namespace
+}  // namespace relume::test
