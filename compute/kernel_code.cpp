@@ -5,6 +5,7 @@
 #include "spirv/bounce_row_per_thread.h"
 #include "spirv/bounce_tile_shared.h"
 #include "spirv/bounce_tile_shuffle.h"
+#include "spirv/combine_lights.h"
 #include "spirv/correct_rooms.h"
 #include "spirv/direct_clusters.h"
 #include "spirv/direct_gather.h"
@@ -73,6 +74,8 @@ std::span<const std::uint32_t> kernel_code(KernelId kernel) {
       return solve_rooms_spirv;
     case KernelId::correct_rooms:
       return correct_rooms_spirv;
+    case KernelId::combine_lights:
+      return combine_lights_spirv;
     case KernelId::lightmap_rgba16f:
       return lightmap_rgba16f_spirv;
     case KernelId::lightmap_r11g11b10f:
@@ -137,6 +140,8 @@ const char* kernel_file_name(KernelId kernel) {
       return "solve_rooms";
     case KernelId::correct_rooms:
       return "correct_rooms";
+    case KernelId::combine_lights:
+      return "combine_lights";
     case KernelId::lightmap_rgba16f:
       return "lightmap_rgba16f";
     case KernelId::lightmap_r11g11b10f:

@@ -27,6 +27,7 @@ enum class KernelId : std::uint32_t {
   restrict_rooms,
   solve_rooms,
   correct_rooms,
+  combine_lights,
   lightmap_rgba16f,
   lightmap_r11g11b10f,
   lightmap_rgb9e5,
