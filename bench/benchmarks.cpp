@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kLumels = 12000.0;
 
-constexpr std::array<Benchmark, 8> kBenchmarks{{
+constexpr std::array<Benchmark, 9> kBenchmarks{{
     {"precompute_vs_embree", "time of a precompute against that of bare Embree for the same rays",
      precompute_vs_embree},
     {"error", "error and size of models for error targets and flat budgets, against a converged answer",

@@ -31,13 +31,15 @@ std::string geometry_change(const std::vector<NodeRecord>& before, const std::ve
 void say_precomputed(const PrecomputeArguments& arguments, const PrecomputedFile& file, double seconds,
                      const std::vector<std::string>& saved, const std::string& change, Console& console) {
   const std::string after = saved.empty() ? "" : fmt::format(" after {} was saved", fmt::join(saved, ", "));
-  console.say(fmt::format("{}: {:.1f} MB in {:.1f} s{}{}", arguments.output.string(),
-                          1e-6 * double(file.bytes), seconds, after, change));
+  console.say(fmt::format("{}: {:.1f} MB in {:.1f} s, {:.2f} million rays traced{}{}",
+                          arguments.output.string(), 1e-6 * double(file.bytes), seconds,
+                          1e-6 * double(file.report.traced_rays), after, change));
   console.event({{"file", arguments.output},
                  {"saved", json_array(saved)},
                  {"changed", change.empty() ? JsonValue() : JsonValue(change.substr(2))},
                  {"bytes", file.bytes},
                  {"rays", file.report.rays + file.report.occlusion_rays},
+                 {"traced_rays", file.report.traced_rays},
                  {"seconds", seconds}});
 }
 
@@ -52,18 +54,26 @@ Result<int> run(const WatchArguments& arguments, Console& console) {
   }
   WatchedFiles files([&] { return files_of(precompute); });
   std::vector<NodeRecord> nodes;
+  PrecomputeArguments next = precompute;
+  next.options.keep_rows = true;
   while (files.wait([] { return !interrupted(); })) {
     Stopwatch watch;
-    auto file = precompute_to_file(precompute, console, [&] { return !files.changed_lately(); });
+    const auto go_on = [&] { return !files.changed_lately(); };
+    auto file = precompute_to_file(next, console, go_on);
+    if (!file && next.update && file.error().code != ErrorCode::cancelled) {
+      next.update.reset();  // a scene may have nothing in common with the one before
+      file = precompute_to_file(next, console, go_on);
+    }
     // What is half saved is no error yet.
     if (!file && (file.error().code == ErrorCode::cancelled || files.changed())) continue;
     if (!file) {
       console.complain(file.error());
       continue;
     }
-    say_precomputed(precompute, *file, watch.lap(), files.saved(),
-                    geometry_change(nodes, file->model.nodes), console);
+    say_precomputed(precompute, *file, watch.lap(), files.saved(), geometry_change(nodes, file->model.nodes),
+                    console);
     nodes = std::move(file->model.nodes);
+    next.update = next.output;
   }
   return 0;
 }
