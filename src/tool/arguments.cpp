@@ -4,12 +4,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
-#include <cmath>
-#include <functional>
 
 #include "tool/debug_view.h"
 #include "tool/lighting_setup.h"
+#include "tool/option_kinds.h"
 
 namespace relume {
 namespace {
@@ -17,98 +15,6 @@ namespace {
 constexpr const char* kExitStatuses =
     "Exit status: 0 done, 1 a check failed, 2 usage, 3 bad or unreadable input,\n"
     "4 no usable device, 5 out of memory or disk, 130 stopped by Ctrl-C.";
-
-std::optional<double> parse_number(const std::string& text) {
-  double number = 0.0;
-  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (code != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) return {};
-  return number;
-}
-
-/// "2%" or "0.02".
-std::optional<double> parse_share(const std::string& text) {
-  if (!text.ends_with('%')) return parse_number(text);
-  const std::optional<double> percent = parse_number(text.substr(0, text.size() - 1));
-  return percent ? std::optional(*percent / 100.0) : std::nullopt;
-}
-
-/// "500M", "2G" or plain bytes.
-std::optional<double> parse_bytes(const std::string& text) {
-  constexpr std::string_view kUnits = "KMGT";
-  const std::size_t unit = text.empty() ? std::string_view::npos : kUnits.find(text.back());
-  if (unit == std::string_view::npos) return parse_number(text);
-  const std::optional<double> number = parse_number(text.substr(0, text.size() - 1));
-  return number ? std::optional(std::floor(*number * std::pow(1000.0, double(unit + 1)))) : std::nullopt;
-}
-
-/// Which numbers an option takes, and how it calls them.
-struct NumberKind {
-  const char* metavar;
-  std::optional<double> (*parse)(const std::string&);
-  double least;
-  double most;
-  bool whole;
-  const char* expected;
-
-  bool accepts(double number) const {
-    return number >= least && number <= most && (!whole || number == std::floor(number));
-  }
-};
-
-constexpr double kTiny = 1e-30;
-constexpr double kLargestCount = 4294967295.0;
-constexpr NumberKind kLength{"M", parse_number, kTiny, 1e12, false, "a length above 0 in metres"};
-constexpr NumberKind kShare{"E", parse_share, kTiny, 1e12, false, "a relative error above 0, as 0.01 or 1%"};
-constexpr NumberKind kTarget{"E",    parse_share, kTiny,
-                             0.9999, false,       "a relative error above 0 and below 100%, as 0.02 or 2%"};
-constexpr NumberKind kAlbedo{"A", parse_number, kTiny, 0.9999, false, "a number above 0, at most 0.9999"};
-constexpr NumberKind kRadiosity{"LM/M2", parse_number, 0.0, 1e30, false, "a number of at least 0"};
-constexpr NumberKind kCount{"N", parse_number, 1.0, kLargestCount, true, "a whole number of at least 1"};
-constexpr NumberKind kBytes{"BYTES", parse_bytes, 1.0, 1e18, true, "a number of bytes, as 500M or 2G"};
-constexpr NumberKind kCountOrZero{"N",           parse_number, 0.0,
-                                  kLargestCount, true,         "a whole number of at least 0"};
-
-using Take = std::function<void(const std::string&)>;
-
-CLI::Option* add_text(CLI::App& app, const std::string& name, const std::string& metavar, const Take& take,
-                      const std::string& help) {
-  return app.add_option_function<std::string>(name, take, help)->type_name(metavar);
-}
-
-template <class Target>
-CLI::Option* add_number(CLI::App& app, const std::string& name, Target& target, const NumberKind& kind,
-                        const std::string& help) {
-  const auto take = [name, &target, &kind](const std::string& text) {
-    const std::optional<double> number = kind.parse(text);
-    if (!number || !kind.accepts(*number)) {
-      throw CLI::ValidationError(name, fmt::format("expected {}, found '{}'", kind.expected, text));
-    }
-    target = Target(*number);
-  };
-  return add_text(app, name, kind.metavar, take, help);
-}
-
-/// `Path` is a path or an optional one.
-template <class Path>
-CLI::Option* add_path(CLI::App& app, const std::string& name, const std::string& metavar, Path& path,
-                      const std::string& help) {
-  return add_text(
-      app, name, metavar, [&path](const std::string& text) { path = std::filesystem::path(text); }, help);
-}
-
-/// The index of `text` among `words`.
-std::size_t choose(const std::string& name, const std::vector<std::string>& words, const std::string& text) {
-  const auto word = std::find(words.begin(), words.end(), text);
-  if (word != words.end()) return static_cast<std::size_t>(word - words.begin());
-  throw CLI::ValidationError(name, fmt::format("expected {}, found '{}'", fmt::join(words, " or "), text));
-}
-
-/// One of several words; `take` gets the index of the word.
-CLI::Option* add_choice(CLI::App& app, const std::string& name, const std::vector<std::string>& words,
-                        const std::function<void(std::size_t)>& take, const std::string& help) {
-  const auto choose_one = [name, words, take](const std::string& text) { take(choose(name, words, text)); };
-  return add_text(app, name, fmt::format("{}", fmt::join(words, "|")), choose_one, help);
-}
 
 void add_lighting(CLI::App& app, LightingOptions& lighting) {
   add_path(app, "--scene", "GLTF", lighting.scene,
@@ -118,7 +24,7 @@ void add_lighting(CLI::App& app, LightingOptions& lighting) {
   add_text(
       app, "--sky", "R,G,B|HDR", [&lighting](const std::string& text) { lighting.sky = text; },
       "Radiance in cd/m2, or an equirectangular image");
-  add_number(app, "--max-albedo", lighting.max_albedo, kAlbedo,
+  add_number(app, "--max-albedo", lighting.max_albedo, kAlbedoOption,
              "Albedos above are clamped (default: as precomputed)");
 }
 
@@ -208,13 +114,13 @@ class Parser {
     PrecomputeOptions& options = arguments.options;
     add_path(command, "SCENE", "", arguments.scene, "glTF scene (.gltf, .glb)")->required();
     add_path(command, "-o,--output", "FILE", arguments.output, "The .relume file to write");
-    add_number(command, "--error", options.error, kTarget,
+    add_number(command, "--error", options.error, kTargetOption,
                "Target for indirect light in each room, 2% or 0.02; what follows is then chosen from it");
-    add_number(command, "--quality", options.quality, kCount, "Rays per lumel (default 512)");
-    add_number(command, "--sensor-quality", options.sensor_quality, kCount,
+    add_number(command, "--quality", options.quality, kCountOption, "Rays per lumel (default 512)");
+    add_number(command, "--sensor-quality", options.sensor_quality, kCountOption,
                "Rays per sensor (default 16 x quality, at least 4096)");
-    add_number(command, "--cluster-size", options.cluster_size, kLength, "Default: about 4 k clusters");
-    add_number(command, "--texel-size", options.texel_size, kLength, "Default: about 40 k lumels");
+    add_number(command, "--cluster-size", options.cluster_size, kLengthOption, "Default: about 4 k clusters");
+    add_number(command, "--texel-size", options.texel_size, kLengthOption, "Default: about 40 k lumels");
     add_path(command, "--sensors", "CSV", arguments.sensors, "Header id,px,py,pz,nx,ny,nz");
     command
         .add_option("--probes", arguments.probes,
@@ -226,9 +132,9 @@ class Parser {
         command, "--values,--codec", {"f32", "unorm16", "sqrt8"},
         [&options](std::size_t k) { options.codec = static_cast<ValueCodec>(k); },
         "How form factors are stored (default f32)");
-    add_number(command, "--budget", options.budget, kCountOrZero,
+    add_number(command, "--budget", options.budget, kCountOrZeroOption,
                "Nodes of the cluster trees that 8 neighbouring rows keep (default 0: full rows)");
-    add_number(command, "--system-lumels", options.system_lumels, kCount,
+    add_number(command, "--system-lumels", options.system_lumels, kCountOption,
                "Systems of more lumels are split where little light crosses (default 65536)");
     command.add_flag("--reciprocal", options.reciprocal,
                      "Form factors between clusters obey reciprocity: less noise of rays");
@@ -236,11 +142,11 @@ class Parser {
         "--directional", options.directional,
         "Directional lightmaps: also keep where light comes from, 4 bytes more per form factor of "
         "lumels and sensors");
-    add_number(command, "--max-albedo", options.max_albedo, kAlbedo,
+    add_number(command, "--max-albedo", options.max_albedo, kAlbedoOption,
                "Albedos above are clamped (default 0.95)");
-    add_number(command, "--threads", options.threads, kCount, "Default: all");
-    add_number(command, "--seed", options.seed, kCountOrZero, "Default 0");
-    add_number(command, "--max-memory", options.max_memory, kBytes,
+    add_number(command, "--threads", options.threads, kCountOption, "Default: all");
+    add_number(command, "--seed", options.seed, kCountOrZeroOption, "Default 0");
+    add_number(command, "--max-memory", options.max_memory, kBytesOption,
                "Refused before the long work when it needs more; 500M, 2G");
     command.add_flag("--rows", options.keep_rows,
                      "Also write FILE.rows: what every ray met, about 3 bytes each, for --update");
@@ -271,7 +177,7 @@ class Parser {
             ->type_name("NAME,NAME...")
             ->delimiter(',')
             ->allow_extra_args(false);
-    add_number(command, "--missing-radiosity", solve_.missing_radiosity, kRadiosity,
+    add_number(command, "--missing-radiosity", solve_.missing_radiosity, kRadiosityOption,
                "The most that a surface of a system not loaded has (default: the most of those loaded)");
     add_lighting(command, solve_.lighting);
     add_choice(
@@ -296,9 +202,9 @@ class Parser {
           solve_.solver.method = k == 0 ? std::nullopt : std::optional(static_cast<Method>(k - 1));
         },
         "How the reference solves (default auto: the fastest that is safe for the scene)");
-    CLI::Option* bounces = add_number(command, "--bounces", bounces_, kCountOrZero,
+    CLI::Option* bounces = add_number(command, "--bounces", bounces_, kCountOrZeroOption,
                                       "Exactly this many bounces, or products of another --method");
-    CLI::Option* tolerance = add_number(command, "--tolerance", solve_.rule.tolerance, kShare,
+    CLI::Option* tolerance = add_number(command, "--tolerance", solve_.rule.tolerance, kShareOption,
                                         "Stop at this bound on the relative error (default 1e-5)");
     bounces->excludes(tolerance);
   }
@@ -308,9 +214,9 @@ class Parser {
     add_path(command, "FILE", "", compare_.file, ".relume file")->required();
     add_lighting(command, compare_.lighting);
     add_solver(command, compare_.solver, false);
-    add_number(command, "--bounces", compare_.bounces, kCountOrZero,
+    add_number(command, "--bounces", compare_.bounces, kCountOrZeroOption,
                "Bounces on both sides (default: what the reference needs for 1e-5)");
-    add_number(command, "--tolerance", compare_.tolerance, kShare,
+    add_number(command, "--tolerance", compare_.tolerance, kShareOption,
                "Largest relative error that passes (default 1e-5)");
   }
 
@@ -323,10 +229,10 @@ class Parser {
           factors_.grouping = k == 0 ? FactorGrouping::node : FactorGrouping::material;
         },
         "What a surface is (default node)");
-    add_number(command, "--rays", factors_.rays, kCount,
+    add_number(command, "--rays", factors_.rays, kCountOption,
                "Rays per surface (default: 67 million in all, 65536 to 4 million each)");
-    add_number(command, "--seed", factors_.seed, kCountOrZero, "Default 0");
-    add_number(command, "--threads", factors_.threads, kCount, "Default: all");
+    add_number(command, "--seed", factors_.seed, kCountOrZeroOption, "Default 0");
+    add_number(command, "--threads", factors_.threads, kCountOption, "Default: all");
   }
 
   void add_export() {
@@ -364,10 +270,11 @@ class Parser {
     add_path(command, "SCENE", "", chart_.scene, "glTF scene (.gltf, .glb)")->required();
     add_path(command, "-o,--output", "DIR", chart_.output, "Folder for the results")->required();
     command.add_flag("--quick", options.quick, "Fewer points of a coarser model: a minute or two");
-    add_number(command, "--texel-size", options.texel_size, kLength, "Default: about 40 k lumels, quick 6 k");
-    add_number(command, "--cluster-size", options.cluster_size, kLength,
+    add_number(command, "--texel-size", options.texel_size, kLengthOption,
+               "Default: about 40 k lumels, quick 6 k");
+    add_number(command, "--cluster-size", options.cluster_size, kLengthOption,
                "Default: about 4 k clusters, quick 1 k");
-    add_number(command, "--threads", options.threads, kCount, "Of precomputes (default: all)");
+    add_number(command, "--threads", options.threads, kCountOption, "Of precomputes (default: all)");
     add_device(command, chart_device_, false);
   }
 
