@@ -145,6 +145,29 @@ void store_colors(const Scene& scene, double max_albedo, Model& model, Precomput
   }
 }
 
+/// Where many lumels are invalid, the scene is not what its author thinks.
+void warn_of_invalid_lumels(const Model& model, PrecomputeReport& report) {
+  constexpr double kMany = 0.1;
+  std::vector<std::uint64_t> of_node(model.nodes.size(), 0);
+  std::uint64_t lumels = 0, invalid = 0;
+  for (const System& system : model.systems) {
+    for (const Lumel& lumel : system.lumels) {
+      ++lumels;
+      if ((lumel.flags & kLumelInvalid) == 0) continue;
+      ++invalid;
+      ++of_node[system.clusters[system.elements[lumel.element].cluster].node];
+    }
+  }
+  if (double(invalid) <= kMany * double(lumels)) return;
+  const auto most = std::max_element(of_node.begin(), of_node.end()) - of_node.begin();
+  report.warnings.push_back(
+      fmt::format("{} of {} lumels see mostly the backs of surfaces, and take the light of their neighbours; "
+                  "most of them lie "
+                  "on {}: inside other geometry, or below a ceiling whose only side faces away (relume "
+                  "export --debug validity)",
+                  invalid, lumels, model.nodes[std::size_t(most)].path));
+}
+
 /// Patches of the sky that no column means have no place in the model.
 void drop_unseen_sky(Model& model) {
   std::vector<bool> seen(model.sky_cells.size(), false);
@@ -230,6 +253,7 @@ Result<Model> assemble_model(const ModelParts& parts, ValueCodec codec, double m
   model.occluders = make_occluders(parts);
   model.occluders.texture = texture_triangles(parts.scene, emits);
   store_colors(parts.scene, max_albedo, model, report);
+  warn_of_invalid_lumels(model, report);
   return model;
 }
 

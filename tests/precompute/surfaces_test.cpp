@@ -12,6 +12,7 @@
 #include "precompute/clusters.h"
 #include "precompute/elements.h"
 #include "precompute/geometry.h"
+#include "precompute/precompute.h"
 #include "support/scene_builder.h"
 
 namespace relume {
@@ -81,6 +82,20 @@ TEST(Charts, AQuadIsCutIntoWholeLumels) {
   EXPECT_EQ(std::min(s.charts[0].width, s.charts[0].height), 10u);
   ASSERT_EQ(s.surface.elements.size(), 200u);
   for (const Element& e : s.surface.elements) EXPECT_NEAR(e.area, 2.0 * 1.03 / 200.0, 1e-6);
+}
+
+TEST(Charts, AWallWithADoorLiesAlongItsBorders) {
+  // 4 m x 2 m, the door 1 m x 1.5 m; no triangle is half of a rectangle, and the longest edges run aslant.
+  SceneBuilder builder;
+  builder.add_triangles(
+      "wall", builder.material("m", Rgb(0.5)),
+      {{0, 0, 0}, {1.5, 0, 0}, {1.5, 1.5, 0}, {2.5, 1.5, 0}, {2.5, 0, 0}, {4, 0, 0}, {4, 2, 0}, {0, 2, 0}},
+      {{0, 1, 2}, {0, 2, 7}, {2, 3, 7}, {3, 6, 7}, {3, 4, 6}, {4, 5, 6}});
+  const Surfaces s(builder.scene(), 0.1, 0.5);
+  ASSERT_EQ(s.charts.size(), 1u);
+  EXPECT_EQ(std::max(s.charts[0].width, s.charts[0].height), 40u);
+  EXPECT_EQ(std::min(s.charts[0].width, s.charts[0].height), 20u);
+  EXPECT_EQ(s.surface.elements.size(), 800u - 150u);
 }
 
 TEST(Charts, EachFaceOfABoxHasItsOwn) {
@@ -224,6 +239,27 @@ TEST(Systems, FollowTheExtras) {
   ASSERT_EQ(layouts->size(), 2u);
   EXPECT_EQ((*layouts)[0].name, "east");
   EXPECT_EQ((*layouts)[1].name, "west");
+}
+
+TEST(Lumels, ThatSeeTheBackOfACeilingAreToldOf) {
+  SceneBuilder builder;
+  const auto material = builder.material("m", Rgb(0.5));
+  builder.add_quad("floor", material, floor_quad(0, 0, 2, 2));
+  builder.add_quad("roof", material, floor_quad(-5, -5, 7, 7, 0.3));
+  PrecomputeOptions options;
+  options.texel_size = options.cluster_size = 0.5;
+  options.quality = 64;
+  PrecomputeReport report;
+  ASSERT_TRUE(precompute(builder.scene(), options, report));
+  const auto told = [](const std::string& w) { return w.find("backs of surfaces") != std::string::npos; };
+  EXPECT_EQ(std::count_if(report.warnings.begin(), report.warnings.end(), told), 0);  // 16 of 592 lumels
+  builder.scene().nodes[1].extras.receiver = "clusters";
+  PrecomputeReport floor_alone;
+  ASSERT_TRUE(precompute(builder.scene(), options, floor_alone));
+  const auto warning = std::find_if(floor_alone.warnings.begin(), floor_alone.warnings.end(), told);
+  ASSERT_NE(warning, floor_alone.warnings.end());
+  EXPECT_NE(warning->find("16 of 16 lumels"), std::string::npos) << *warning;
+  EXPECT_NE(warning->find("on floor"), std::string::npos) << *warning;
 }
 
 TEST(Systems, ChartsDoNotTouchInTheLightmap) {
