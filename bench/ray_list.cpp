@@ -40,7 +40,7 @@ Result<RayList> rays_of_precompute(const Scene& scene, const Geometry& geometry,
   const SobolPoints points(options.quality, order_of_rays == RayOrder::grouped ? options.quality : 0);
   RayList rays;
   rays.per_receiver = options.quality;
-  for (const SystemLayout& layout : *layouts) {
+  for (const AtlasLayout& layout : *layouts) {
     const SystemSurface surface = make_elements(geometry, charts, layout, *caster);
     const auto clusters =
         make_clusters(geometry, charts, layout, surface, *caster, texels, {options.cluster_size, 0.0, {}});

@@ -86,7 +86,7 @@ void plan_block_sets(const std::vector<BlockLayout>& blocks, std::span<const Buf
   sets.resize(blocks.size());
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     SetPlan plan{kernels::kBlockSet, &sets[i], {}, {}};
-    for (const Section& section : blocks[i].sections) {
+    for (const BlockSection& section : blocks[i].sections) {
       plan.bindings.push_back(part(ranges[blocks[i].buffer], section.offset, section.byte_size));
     }
     plan.texels = {{kernels::kColumnTexelsBinding, kernels::kColumnsBinding, VK_FORMAT_R32_UINT, 4},

@@ -200,7 +200,7 @@ VkDeviceSize largest_texel_buffer(const SolverLayout& solver, const SystemLayout
   VkDeviceSize bytes = std::max({senders, imports, shares}) * sizeof(std::uint32_t);
   for (const auto* blocks : {&layout.bounce, &layout.gather}) {
     for (const BlockLayout& block : *blocks) {
-      for (const Section& section : block.sections) bytes = std::max(bytes, section.byte_size);
+      for (const BlockSection& section : block.sections) bytes = std::max(bytes, section.byte_size);
     }
   }
   return bytes / sizeof(std::uint32_t);

@@ -52,7 +52,7 @@ enum SystemBuffer : std::uint32_t {
 enum ProbeBuffer : std::uint32_t { kProbeLists, kProbeSenders, kProbeBuffers };
 
 /// A part of a buffer.
-struct Section {
+struct BlockSection {
   VkDeviceSize offset = 0;
   VkDeviceSize byte_size = 0;
 };
@@ -62,7 +62,7 @@ struct Section {
 struct BlockLayout {
   std::uint32_t buffer = 0;                   ///< of the system
   VkFormat code_format = VK_FORMAT_R32_UINT;  ///< of kCodeTexelsBinding
-  std::array<Section, kernels::kBlockBindings> sections;
+  std::array<BlockSection, kernels::kBlockBindings> sections;
 };
 
 /// Light probes that stand together, so that their list fits a buffer of kMaxBlockBytes.

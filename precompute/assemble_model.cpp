@@ -88,7 +88,7 @@ bool has_lightmap(const SceneNode& node) {
   return node.extras.receiver.value_or("lightmap") == "lightmap";
 }
 
-void store_charts(const ModelParts& parts, const SystemLayout& layout, System& system) {
+void store_charts(const ModelParts& parts, const AtlasLayout& layout, System& system) {
   std::set<std::pair<std::uint32_t, Side>> listed;
   for (std::size_t i = 0; i < layout.charts.size(); ++i) {
     const Chart& chart = parts.charts[layout.charts[i]];

@@ -17,7 +17,7 @@ struct ModelParts {
   const Scene& scene;
   const Geometry& geometry;
   const std::vector<Chart>& charts;
-  const std::vector<SystemLayout>& layouts;
+  const std::vector<AtlasLayout>& layouts;
   const std::vector<ClusteredSurface>& surfaces;
   const std::vector<std::vector<bool>>& own_elements;  ///< per system and element
   const std::vector<SystemRows>& rows;

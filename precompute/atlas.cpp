@@ -27,7 +27,7 @@ bool pack_into(std::vector<stbrp_rect>& rects, std::uint32_t width, std::uint32_
   return stbrp_pack_rects(&context, rects.data(), int(rects.size())) != 0;
 }
 
-Result<void> pack(const Scene& scene, const std::vector<Chart>& charts, SystemLayout& layout) {
+Result<void> pack(const Scene& scene, const std::vector<Chart>& charts, AtlasLayout& layout) {
   std::vector<stbrp_rect> rects;
   std::uint64_t area = 0;
   std::uint32_t widest = 1;
@@ -127,17 +127,17 @@ void warn_of_large_charts(const std::vector<Chart>& charts, const SystemLimits& 
 
 }  // namespace
 
-Result<std::vector<SystemLayout>> lay_out_systems(const Scene& scene, const Geometry& geometry,
-                                                  const std::vector<Chart>& charts, const RayCaster& caster,
-                                                  const SystemLimits& limits,
-                                                  std::vector<std::string>& warnings) {
+Result<std::vector<AtlasLayout>> lay_out_systems(const Scene& scene, const Geometry& geometry,
+                                                 const std::vector<Chart>& charts, const RayCaster& caster,
+                                                 const SystemLimits& limits,
+                                                 std::vector<std::string>& warnings) {
   const NamedGroups groups = named_groups(scene, charts);
   warn_of_large_charts(charts, limits, warnings);
   SystemNames names(groups);
-  std::vector<SystemLayout> layouts;
+  std::vector<AtlasLayout> layouts;
   for (auto& [name, parts] : split_groups(geometry, charts, caster, limits, groups)) {
     for (std::size_t p = 0; p < parts.size(); ++p) {
-      SystemLayout layout;
+      AtlasLayout layout;
       layout.name = names.next(name, p, parts.size());
       layout.charts = parts[p];
       if (auto packed = pack(scene, charts, layout); !packed) return tl::unexpected(packed.error());

@@ -19,7 +19,7 @@ namespace relume {
 /// Empty lumels around every chart, so that bilinear filtering and dilation stay inside it.
 inline constexpr std::uint32_t kChartPadding = 1;
 
-struct SystemLayout {
+struct AtlasLayout {
   std::string name;
   std::vector<std::uint32_t> charts;    ///< indices, ascending
   std::vector<glm::uvec2> positions;    ///< of each chart's lower corner, lumels
@@ -30,9 +30,9 @@ struct SystemLayout {
 /// packs each (stb_rect_pack). Parts of a named group are NAME#1, NAME#2, ...; those of the rest system0,
 /// system1, ... A single chart may hold more than limits.lumels; `warnings` counts those. Fails (usage) when
 /// one is too large for a lightmap, naming the node and the texel size that would do.
-Result<std::vector<SystemLayout>> lay_out_systems(const Scene& scene, const Geometry& geometry,
-                                                  const std::vector<Chart>& charts, const RayCaster& caster,
-                                                  const SystemLimits& limits,
-                                                  std::vector<std::string>& warnings);
+Result<std::vector<AtlasLayout>> lay_out_systems(const Scene& scene, const Geometry& geometry,
+                                                 const std::vector<Chart>& charts, const RayCaster& caster,
+                                                 const SystemLimits& limits,
+                                                 std::vector<std::string>& warnings);
 
 }  // namespace relume

@@ -43,7 +43,7 @@ class DisjointSets {
 
 /// Block of the chart that an element's cell lies in: blocks of nearly equal size, as close to cluster_size
 /// as whole lumels allow.
-std::vector<std::uint64_t> blocks_of_elements(const std::vector<Chart>& charts, const SystemLayout& layout,
+std::vector<std::uint64_t> blocks_of_elements(const std::vector<Chart>& charts, const AtlasLayout& layout,
                                               const SystemSurface& surface,
                                               const std::vector<double>& texel_sizes, double cluster_size) {
   std::map<std::uint32_t, std::size_t> slot_of_chart;
@@ -240,7 +240,7 @@ void absorb_small(const Geometry& geometry, const RayCaster& caster, const Syste
 }  // namespace
 
 std::vector<std::uint32_t> make_clusters(const Geometry& geometry, const std::vector<Chart>& charts,
-                                         const SystemLayout& layout, const SystemSurface& surface,
+                                         const AtlasLayout& layout, const SystemSurface& surface,
                                          const RayCaster& caster, const std::vector<double>& texel_sizes,
                                          const ClusterSizes& sizes) {
   DisjointSets sets(surface.elements.size());

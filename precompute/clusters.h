@@ -25,7 +25,7 @@ struct ClusterSizes {
 /// those much smaller than a block join a near one of the same node, material and side that they see, while
 /// the union stays small.
 std::vector<std::uint32_t> make_clusters(const Geometry& geometry, const std::vector<Chart>& charts,
-                                         const SystemLayout& layout, const SystemSurface& surface,
+                                         const AtlasLayout& layout, const SystemSurface& surface,
                                          const RayCaster& caster, const std::vector<double>& texel_sizes,
                                          const ClusterSizes& sizes);
 

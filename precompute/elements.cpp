@@ -247,7 +247,7 @@ SurfacePoint middle_of(const Geometry& geometry, const SurfacePiece& shape, Side
 }
 
 std::vector<Piece> cut_into_cells(const Geometry& geometry, const std::vector<Chart>& charts,
-                                  const SystemLayout& layout) {
+                                  const AtlasLayout& layout) {
   std::vector<std::vector<Piece>> parts(layout.charts.size());
   tbb::parallel_for(std::size_t{0}, layout.charts.size(), [&](std::size_t i) {
     cut_chart(geometry, charts[layout.charts[i]], layout.charts[i], layout.positions[i], layout.width,
@@ -261,7 +261,7 @@ std::vector<Piece> cut_into_cells(const Geometry& geometry, const std::vector<Ch
 }
 
 SystemSurface make_elements(const Geometry& geometry, const std::vector<Chart>& charts,
-                            const SystemLayout& layout, const RayCaster& caster, const KnownCells* known) {
+                            const AtlasLayout& layout, const RayCaster& caster, const KnownCells* known) {
   SystemSurface surface;
   surface.width = layout.width;
   surface.height = layout.height;

@@ -66,12 +66,12 @@ struct KnownCells {
 
 /// Neighbours that are `known` to see each other are not asked; it may be missing.
 SystemSurface make_elements(const Geometry& geometry, const std::vector<Chart>& charts,
-                            const SystemLayout& layout, const RayCaster& caster,
+                            const AtlasLayout& layout, const RayCaster& caster,
                             const KnownCells* known = nullptr);
 
 /// All charts of the system cut along the lumel grid, ascending by cell.
 std::vector<Piece> cut_into_cells(const Geometry& geometry, const std::vector<Chart>& charts,
-                                  const SystemLayout& layout);
+                                  const AtlasLayout& layout);
 
 /// Cuts the pieces of one cell along a grid of kSubcells x kSubcells, groups what agrees in material and
 /// normal and is connected by visible neighbours, and drops what lies inside other geometry (all of it is

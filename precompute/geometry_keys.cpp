@@ -90,9 +90,9 @@ std::vector<std::uint64_t> triangle_keys(const Geometry& geometry) {
 }
 
 ElementNamer::ElementNamer(const Geometry& geometry, const std::vector<std::uint64_t>& triangles,
-                           const std::vector<Chart>& charts, const std::vector<SystemLayout>& layouts)
+                           const std::vector<Chart>& charts, const std::vector<AtlasLayout>& layouts)
     : triangles_(triangles), charts_(charts.size()), positions_(charts.size()) {
-  for (const SystemLayout& layout : layouts) {
+  for (const AtlasLayout& layout : layouts) {
     for (std::size_t i = 0; i < layout.charts.size(); ++i) positions_[layout.charts[i]] = layout.positions[i];
   }
   tbb::parallel_for(std::size_t{0}, charts.size(),

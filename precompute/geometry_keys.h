@@ -23,7 +23,7 @@ class ElementNamer {
  public:
   /// Borrows the keys of the triangles.
   ElementNamer(const Geometry& geometry, const std::vector<std::uint64_t>& triangles,
-               const std::vector<Chart>& charts, const std::vector<SystemLayout>& layouts);
+               const std::vector<Chart>& charts, const std::vector<AtlasLayout>& layouts);
 
   /// Of the `number`-th of `count` elements of its cell, in a lightmap of this width. Never 0.
   std::uint64_t key(std::uint32_t width, const Element& element, std::span<const Piece> pieces,

@@ -40,7 +40,7 @@ constexpr float kCornerInset = 0.01f;
 }  // namespace
 
 SenderLookup::SenderLookup(const Geometry& geometry, const std::vector<Chart>& charts,
-                           const std::vector<SystemLayout>& layouts,
+                           const std::vector<AtlasLayout>& layouts,
                            const std::vector<ClusteredSurface>& surfaces, const RayCaster& caster)
     : geometry_(geometry),
       charts_(charts),

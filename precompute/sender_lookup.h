@@ -39,7 +39,7 @@ class SenderLookup {
  public:
   /// Borrows everything; all must outlive it. Clusters may be made, or made anew, later: follow_clusters().
   SenderLookup(const Geometry& geometry, const std::vector<Chart>& charts,
-               const std::vector<SystemLayout>& layouts, const std::vector<ClusteredSurface>& surfaces,
+               const std::vector<AtlasLayout>& layouts, const std::vector<ClusteredSurface>& surfaces,
                const RayCaster& caster);
 
   /// The element hit, or kNone for surfaces that have none, and for points that no element of their

@@ -73,7 +73,7 @@ Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& optio
   std::optional<ElementNamer> namer;
   if (earlier != nullptr && earlier->change.comparable())
     namer.emplace(surfaces.geometry, earlier->triangle_keys, surfaces.charts, surfaces.layouts);
-  for (const SystemLayout& layout : surfaces.layouts) {
+  for (const AtlasLayout& layout : surfaces.layouts) {
     ClusteredSurface system;
     KnownCells known;
     if (namer) known = known_cells(earlier->change, *namer, layout.width);

@@ -15,7 +15,7 @@ namespace relume {
 struct Surfaces {
   Geometry geometry;
   std::vector<Chart> charts;
-  std::vector<SystemLayout> layouts;
+  std::vector<AtlasLayout> layouts;
   std::vector<ClusteredSurface> systems;
   std::vector<std::vector<bool>> own_elements;  ///< per system and element: whether it is a lumel's own
 

@@ -94,7 +94,7 @@ TEST(SplitSystems, CutsFallOnWalls) {
   const auto layouts = lay_out_systems(scene, geometry, charts, caster, limits, warnings);
   ASSERT_TRUE(layouts) << layouts.error().message;
   ASSERT_EQ(layouts->size(), 3u);
-  for (const SystemLayout& layout : *layouts) {
+  for (const AtlasLayout& layout : *layouts) {
     std::map<std::string, int> rooms;
     for (const auto c : layout.charts) ++rooms[scene.nodes[charts[c].node].path.substr(0, 5)];
     std::erase_if(rooms, [](const auto& room) { return room.first.starts_with("door"); });
@@ -121,7 +121,7 @@ TEST(SplitSystems, NamedPartsAreNumberedAndUnnamedOnesAvoidNamesOfTheScene) {
   const auto layouts = lay_out_systems(scene, geometry, charts, caster, limits, warnings);
   ASSERT_TRUE(layouts);
   std::vector<std::string> names;
-  for (const SystemLayout& layout : *layouts) names.push_back(layout.name);
+  for (const AtlasLayout& layout : *layouts) names.push_back(layout.name);
   EXPECT_EQ(names, (std::vector<std::string>{"system1", "system0", "west#1", "west#2"}));
 }
 

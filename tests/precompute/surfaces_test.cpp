@@ -43,7 +43,7 @@ struct Surfaces {
   Geometry geometry;
   RayCaster caster;
   std::vector<Chart> charts;
-  SystemLayout layout;
+  AtlasLayout layout;
   SystemSurface surface;
   std::vector<std::uint32_t> cluster;
 };

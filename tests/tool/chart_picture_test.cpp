@@ -62,8 +62,8 @@ std::vector<PixelBox> label_boxes(const std::string& svg) {
   return boxes;
 }
 
-Chart two_series() {
-  Chart chart{"name", "A <title> & \"more\"", "", {"x, ms"}, {"y, %"}, {}};
+ChartPicture two_series() {
+  ChartPicture chart{"name", "A <title> & \"more\"", "", {"x, ms"}, {"y, %"}, {}};
   chart.series.push_back(
       {"first & last", {{1.0, 10.0, "a<b", "one"}, {10.0, 1.0, "", "two"}, {100.0, 0.1, "", "three"}}});
   chart.series.push_back(
@@ -72,7 +72,7 @@ Chart two_series() {
 }
 
 TEST(ChartPicture, IsWellFormed) {
-  Chart chart = two_series();
+  ChartPicture chart = two_series();
   chart.front = pareto_front(chart.series);
   chart.level = ChartLevel{0.5, "level <0.5>"};
   const std::string svg = to_svg(chart);
@@ -99,7 +99,7 @@ TEST(ChartPicture, DrawsEveryPointWhereItIs) {
 }
 
 TEST(ChartPicture, LeavesOutWhatAnAxisCannotShow) {
-  Chart chart = two_series();
+  ChartPicture chart = two_series();
   chart.series[0].points.push_back({0.0, 1.0, "", ""});
   chart.series[0].points.push_back({1.0, std::numeric_limits<double>::quiet_NaN(), "", ""});
   const std::string svg = to_svg(chart);
@@ -110,7 +110,7 @@ TEST(ChartPicture, LeavesOutWhatAnAxisCannotShow) {
 }
 
 TEST(ChartPicture, LabelsKeepApart) {
-  Chart chart{"name", "crowd", "", {"x"}, {"y"}, {{"crowd", {}}}};
+  ChartPicture chart{"name", "crowd", "", {"x"}, {"y"}, {{"crowd", {}}}};
   for (int i = 0; i < 60; ++i) {
     chart.series[0].points.push_back(
         {1.0 + 0.3 * std::sin(1.7 * i), 2.0 + std::cos(2.3 * i), "label " + std::to_string(i), ""});

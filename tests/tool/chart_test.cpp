@@ -45,7 +45,7 @@ std::uint32_t products(const ChartData& data, const std::string& method, double 
   return 0;
 }
 
-TEST(Chart, MeasuresATinyScene) {
+TEST(ChartPicture, MeasuresATinyScene) {
   const auto scene = load_scene(test::make_scene("two_rooms", test::fresh_folder()));
   ASSERT_TRUE(scene.has_value());
   double last = 0.0;

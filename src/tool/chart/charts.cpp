@@ -147,7 +147,7 @@ std::string relight_csv(const std::vector<RelightPoint>& points) {
 }
 
 ChartAndTable relight_chart(const ChartData& data) {
-  Chart chart{
+  ChartPicture chart{
       "relight",
       "Relighting: milliseconds against error",
       "A whole relighting: from B = M + rho H by plain bounces until, under every test light, the iteration "
@@ -177,16 +177,17 @@ ChartAndTable relight_chart(const ChartData& data) {
 }
 
 ChartAndTable tracking_chart(const ChartData& data) {
-  Chart chart{"tracking",
-              "A light that moves every frame: milliseconds against tracking error",
-              "A point light on a circle. Each frame does k products (the number beside each point) from the "
-              "radiosity of "
-              "the frame before, then all lumels; its error is against the same model's own solution for "
-              "that frame, mean "
-              "over the frames. Frames from nothing start at B = 0 instead.",
-              {"milliseconds per frame, bounces and gather"},
-              {"tracking error (relative L2 over area), %"},
-              {}};
+  ChartPicture chart{
+      "tracking",
+      "A light that moves every frame: milliseconds against tracking error",
+      "A point light on a circle. Each frame does k products (the number beside each point) from the "
+      "radiosity of "
+      "the frame before, then all lumels; its error is against the same model's own solution for "
+      "that frame, mean "
+      "over the frames. Frames from nothing start at B = 0 instead.",
+      {"milliseconds per frame, bounces and gather"},
+      {"tracking error (relative L2 over area), %"},
+      {}};
   std::string csv = "frames_per_turn,products,error,ms_median,ms_min,ms_max,runs\n";
   for (const TrackingPoint& point : data.tracking) {
     const std::string name = point.frames_per_turn == 0
@@ -206,16 +207,17 @@ ChartAndTable tracking_chart(const ChartData& data) {
 }
 
 ChartAndTable precompute_chart(const ChartData& data) {
-  Chart chart{"precompute",
-              "Precompute: seconds against error",
-              "Rays per lumel, cluster size and budget, one varied at a time, and what --error makes of them "
-              "together. "
-              "Wall-clock time of the whole precompute on all cores, sensors included; the error is that of "
-              "the converged "
-              "solution.",
-              {"seconds of precompute"},
-              {kErrorLabel},
-              curves(data.precomputes, seconds)};
+  ChartPicture chart{
+      "precompute",
+      "Precompute: seconds against error",
+      "Rays per lumel, cluster size and budget, one varied at a time, and what --error makes of them "
+      "together. "
+      "Wall-clock time of the whole precompute on all cores, sensors included; the error is that of "
+      "the converged "
+      "solution.",
+      {"seconds of precompute"},
+      {kErrorLabel},
+      curves(data.precomputes, seconds)};
   add_default(data.precomputes, seconds, chart.series);
   chart.front = pareto_front(chart.series);
   chart.level = doubt(data);
@@ -247,7 +249,7 @@ ChartPoint drawn(const ProductsPoint& point) {
 }
 
 ChartAndTable products_chart(const ChartData& data) {
-  Chart chart{
+  ChartPicture chart{
       "products",
       "Products to 0.1 % against albedo",
       fmt::format(
@@ -286,7 +288,7 @@ constexpr Cause kCauses[] = {{"cluster size", &ErrorCauses::clusters},
 constexpr double kLeastShare = 1e-5;
 
 /// Another place on the x axis, and its points.
-void add_causes(const RelightPoint& point, Chart& chart) {
+void add_causes(const RelightPoint& point, ChartPicture& chart) {
   const double x = double(chart.x.ticks.size());
   chart.x.ticks.emplace_back(
       x, fmt::format("{}\n{}\n{} ms", point.axis, point.value == point.axis ? "" : point.value,
@@ -313,18 +315,19 @@ std::string causes_line(const RelightPoint& point) {
 }
 
 ChartAndTable causes_chart(const ChartData& data) {
-  Chart chart{"causes",
-              "What the error is made of, along the front",
-              "The points of the Pareto front from fast to accurate, each error split by cause. Measured by "
-              "taking one cause "
-              "away at a time: bounces (converged or not), precision (values in f32), cut (full rows of the "
-              "same rays), rays "
-              "(two seeds); clusters are what is left. For points named --error the four are what the "
-              "precompute itself "
-              "estimated, on the safe side. Shares below 0.001 % are in the table alone.",
-              {"points of the front, milliseconds per converged relight", false},
-              {"share of the error (relative L2 over area), %"},
-              {{"measured error", {}}}};
+  ChartPicture chart{
+      "causes",
+      "What the error is made of, along the front",
+      "The points of the Pareto front from fast to accurate, each error split by cause. Measured by "
+      "taking one cause "
+      "away at a time: bounces (converged or not), precision (values in f32), cut (full rows of the "
+      "same rays), rays "
+      "(two seeds); clusters are what is left. For points named --error the four are what the "
+      "precompute itself "
+      "estimated, on the safe side. Shares below 0.001 % are in the table alone.",
+      {"points of the front, milliseconds per converged relight", false},
+      {"share of the error (relative L2 over area), %"},
+      {{"measured error", {}}}};
   for (const Cause& cause : kCauses) chart.series.push_back({cause.name, {}});
   std::string csv = "axis,value,ms,error,clusters,rays,cut,precision,bounces,estimated\n";
   for (const RelightPoint& point : front_of(data)) {
@@ -336,7 +339,7 @@ ChartAndTable causes_chart(const ChartData& data) {
 }
 
 ChartAndTable bytes_chart(const ChartData& data) {
-  Chart chart{
+  ChartPicture chart{
       "bytes",
       "Memory: megabytes against error",
       "Bytes of the bounce and gather matrices as a device holds them, against the error of the relighting.",

@@ -13,7 +13,7 @@ namespace relume {
 
 /// A chart and its numbers as CSV, header first.
 struct ChartAndTable {
-  Chart chart;
+  ChartPicture chart;
   std::string csv;
 };
 

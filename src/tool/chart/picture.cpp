@@ -75,7 +75,7 @@ std::string line(double x1, double y1, double x2, double y2, const std::string& 
          "\n";
 }
 
-std::vector<double> values_on(const Chart& chart, bool of_x) {
+std::vector<double> values_on(const ChartPicture& chart, bool of_x) {
   std::vector<double> values;
   for (const ChartSeries& series : chart.series) {
     for (const ChartPoint& point : series.points) values.push_back(of_x ? point.x : point.y);
@@ -116,7 +116,7 @@ std::string grid_stroke(const AxisTick& tick) {
 
 class Drawing {
  public:
-  explicit Drawing(const Chart& chart)
+  explicit Drawing(const ChartPicture& chart)
       : chart_(chart),
         x_(chart.x, values_on(chart, true)),
         y_(chart.y, values_on(chart, false)),
@@ -299,7 +299,7 @@ class Drawing {
     });
   }
 
-  const Chart& chart_;
+  const ChartPicture& chart_;
   AxisScale x_, y_;
   LabelPlaces labels_;
   std::string svg_;
@@ -307,7 +307,7 @@ class Drawing {
 
 }  // namespace
 
-std::string to_svg(const Chart& chart) {
+std::string to_svg(const ChartPicture& chart) {
   return Drawing(chart).svg();
 }
 

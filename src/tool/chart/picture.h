@@ -38,7 +38,7 @@ struct ChartLevel {
   std::string name;
 };
 
-struct Chart {
+struct ChartPicture {
   std::string name;  ///< of its files: letters, digits and '-'
   std::string title;
   std::string text;  ///< what it shows and how it was measured, for the page
@@ -50,7 +50,7 @@ struct Chart {
 
 /// An SVG of 960 x 600, UTF-8, without references to anything outside. Points that are not finite, or not
 /// above zero on a logarithmic axis, are left out.
-std::string to_svg(const Chart& chart);
+std::string to_svg(const ChartPicture& chart);
 
 /// The points that no other beats in both x and y (less is better), by ascending x; failed ones have no part.
 std::vector<std::pair<double, double>> pareto_front(const std::vector<ChartSeries>& series);
