@@ -16,8 +16,8 @@ namespace relume {
 /// All rows of a model.
 struct TracedRows {
   std::vector<SystemRows> systems;
-  std::vector<SystemTiles> tiles;  ///< per system; none without a cut
-  std::optional<NodeFlux> flux;    ///< of the nodes that tiles keep
+  std::vector<SystemTiles> tiles;        ///< per system; none without a cut
+  std::optional<NodeFlux> flux;          ///< of the nodes that tiles keep
   std::optional<Projection> projection;  ///< of the rows of clusters, where the plan says so
   SensorRows sensors;
   std::vector<std::uint32_t> sensor_systems;  ///< per sensor: the one that it belongs to

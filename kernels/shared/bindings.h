@@ -80,14 +80,16 @@ const uint kProbeListUints = 3u;
 const uint kProbeSenderUints = 5u;
 const uint kProbeHarmonics = 9u;
 
-/// The same set for the level above the bounces (core/methods/room_correction.h). A segment is the clusters of one
-/// system and one room, or in no room, that one room sees.
+/// The same set for the level above the bounces (core/methods/room_correction.h). A segment is the clusters
+/// of one system and one room, or in no room, that one room sees.
 const uint kRoomSegmentsBinding =
     0u;  // uvec4 per segment: first entry, number of entries, room that sees them, their own room or kNoRoom
-const uint kRoomEntriesBinding = 1u;    // uvec2 per entry: cluster of the system, bits of its weight / area of the room
+const uint kRoomEntriesBinding =
+    1u;  // uvec2 per entry: cluster of the system, bits of its weight / area of the room
 const uint kRoomOfClusterBinding = 2u;  // uint per cluster of all systems: its room or kNoRoom
-// vec4: irradiance of kMaxRooms rooms, lm/m2; then per system, room that sees and room that is seen (kMaxRooms: none)
-// the sums over the entries of weight x albedo and of weight x change, lm/m2; 0 where there is no segment.
+// vec4: irradiance of kMaxRooms rooms, lm/m2; then per system, room that sees and room that is seen
+// (kMaxRooms: none) the sums over the entries of weight x albedo and of weight x change, lm/m2; 0 where there
+// is no segment.
 const uint kRoomSumsBinding = 3u;
 const uint kRoomBindings = 4u;
 const uint kRoomEntryTexelsBinding = 6u;  // rg32ui

@@ -21,9 +21,9 @@ const uint kProbesPerWorkgroup = kWorkgroupSize / kLanes;
 /// Rows of a tile that the tile kernels do; as many as lanes, so that each lane finishes one.
 const uint kTileOfRows = 8u;
 
-/// A dispatch of a tile kernel is so many sweeps over its rows (y), each of every kSweeps-th workgroup of rows (x):
-/// a device that deals out workgroups in equal runs, as lavapipe does to its threads, so deals out equal work,
-/// however lengths of rows change from one end to the other.
+/// A dispatch of a tile kernel is so many sweeps over its rows (y), each of every kSweeps-th workgroup of
+/// rows (x): a device that deals out workgroups in equal runs, as lavapipe does to its threads, so deals out
+/// equal work, however lengths of rows change from one end to the other.
 const uint kSweeps = 16u;
 
 /// Rooms that have a correction: their equations fit the 16 KiB of shared memory that every device offers.

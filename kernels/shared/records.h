@@ -13,8 +13,8 @@ RELUME_SHARED_BEGIN
 struct Range {
   uint first_row;  // in the block; start, residual, restrict_rooms: sender 0 of the system in its other half;
                    // correct_rooms: bits of the largest radiosity
-  uint count;      // rows, imports, clusters or nodes; restrict_rooms: number of the system; solve_rooms: number of
-                   // systems
+  uint count;  // rows, imports, clusters or nodes; restrict_rooms: number of the system; solve_rooms: number
+               // of systems
   uint block_row;  // row of the matrix that is row 0 of the block; nodes: number of leaves; residual: number
                    // of the system; restrict_rooms: its first segment; solve_rooms: number of rooms;
                    // correct_rooms: cluster of all systems that is its cluster 0
