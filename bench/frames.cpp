@@ -3,12 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstring>
 #include <glm/gtc/packing.hpp>
 
 #include "compute/standalone/solve_on_device.h"
 #include "core/reference_solver.h"
+#include "measure/statistics.h"
 #include "precompute/direct_irradiance.h"
 
 namespace relume::bench {
@@ -50,15 +50,6 @@ FrameSessionOptions frame_options(const StandaloneDevice& device, const Model& m
   FrameSessionOptions options;
   options.solver.kernel = default_row_kernel(device, model);
   return options;
-}
-
-double relative_difference(std::span<const Rgb> a, std::span<const Rgb> b) {
-  double difference = 0.0, total = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    difference += glm::dot(a[i] - b[i], a[i] - b[i]);
-    total += glm::dot(b[i], b[i]);
-  }
-  return difference == 0.0 ? 0.0 : std::sqrt(difference / total);
 }
 
 Result<void> check_frame(FrameSession& session, const Model& model, std::span<const Light> lights,

@@ -16,9 +16,6 @@ namespace relume::bench {
 /// The row kernel that a program takes without measuring.
 FrameSessionOptions frame_options(const StandaloneDevice& device, const Model& model);
 
-/// |a - b| / |b|, as vectors of all values.
-double relative_difference(std::span<const Rgb> a, std::span<const Rgb> b);
-
 /// Shows `lights` and the sky of `lighting` for a frame of many bounces, and compares what the session has
 /// then with the reference on the processor: albedo and exitance of `lighting`, direct light by Embree. Fails
 /// (check_failed) when indirect or direct irradiance, or the texels of a lightmap, are off by more than 0.1

@@ -10,6 +10,7 @@
 
 #include "compute/device_functions.h"
 #include "compute/direct_light_data.h"
+#include "compute/direct_light_options.h"
 #include "compute/guest.h"
 #include "compute/kernel_set.h"
 #include "compute/pass_buffers.h"
@@ -41,26 +42,6 @@ constexpr std::array<const char*, kDirectLightBuffers> kNames = {
     "occluder tree",  "occluder triangles", "occluder opacity", "light pieces",    "light patches",
     "light elements", "light tables",       "light records",    "light work",      "light shares",
     "element light",  "cluster light",      "gather light",     "light visibility"};
-
-std::vector<std::uint32_t> chosen_systems(const Model& model, const DirectLightOptions& options) {
-  if (!options.systems.empty()) return options.systems;
-  std::vector<std::uint32_t> all;
-  for (std::uint32_t s = 0; s < model.systems.size(); ++s) {
-    if (model.systems[s].loaded) all.push_back(s);
-  }
-  return all;
-}
-
-Result<void> check_options(const Model& model, const DirectLightOptions& options) {
-  if (options.max_lights == 0) return fail(ErrorCode::usage, "direct light: max_lights must not be 0");
-  for (const std::uint32_t system : options.systems) {
-    if (system < model.systems.size() && model.systems[system].loaded) continue;
-    return fail(ErrorCode::usage, "direct light: expected loaded systems below " +
-                                      std::to_string(model.systems.size()) + ", found " +
-                                      std::to_string(system));
-  }
-  return {};
-}
 
 template <class T>
 void add_piece(UploadData& data, std::uint32_t buffer, const std::vector<T>& values) {
@@ -237,7 +218,7 @@ DirectLight::~DirectLight() = default;
 
 Result<DirectLight> DirectLight::create(const HostDevice& host, const Model& model,
                                         const DirectLightOptions& asked) {
-  if (auto checked = check_options(model, asked); !checked) return tl::unexpected<Error>(checked.error());
+  if (auto checked = check_light_options(model, asked); !checked) return tl::unexpected<Error>(checked.error());
   const auto limits = device_limits(host);
   if (!limits) return tl::unexpected<Error>(limits.error());
   const std::vector<std::uint32_t> systems = chosen_systems(model, asked);

@@ -2,12 +2,18 @@
 #pragma once
 
 #include <chrono>
+#include <span>
 #include <vector>
+
+#include "core/quantities.h"
 
 namespace relume {
 
 /// 0 of none.
 double median(std::vector<double> values);
+
+/// |a - b| / |b|, as vectors of all values; 0 where they are the same.
+double relative_difference(std::span<const Rgb> a, std::span<const Rgb> b);
 
 /// Seconds that `work` takes.
 template <class Work>

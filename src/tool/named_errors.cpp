@@ -4,11 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/light_patches.h"
+#include "measure/statistics.h"
 #include "precompute/direct_irradiance.h"
 #include "precompute/row_plan.h"
 
@@ -32,16 +31,6 @@ double worst_precision(const Model& model) {
     }
   }
   return worst;
-}
-
-/// |a - b| / |b|.
-double relative_difference(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
-  double difference = 0.0, total = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    difference += glm::dot(a[i] - b[i], a[i] - b[i]);
-    total += glm::dot(b[i], b[i]);
-  }
-  return total > 0.0 ? std::sqrt(difference / total) : 0.0;
 }
 
 Result<double> light_error(const Model& model, const LightingSetup& setup, const SolveOutcome& outcome) {

@@ -166,6 +166,18 @@ TEST_F(DeviceLight, AgreesWithTheProcessorWithFewRays) {
                           {point_light({1.0, 1.0, 1.0})}, 2.0);
 }
 
+TEST_F(DeviceLight, NumbersOfRaysThatMeanNothingAreRefused) {
+  const Model model = precompute_or_throw(box_room({}), coarse(1.0));
+  for (const double patches : {0.0, 17.0, std::nan("")}) {
+    LightSessionOptions options;
+    options.light.patches_per_element = patches;
+    const auto made = LightSession::create(device(), model, options);
+    ASSERT_FALSE(made);
+    EXPECT_EQ(made.error().code, ErrorCode::usage);
+    EXPECT_NE(made.error().message.find("patches_per_element"), std::string::npos) << made.error().message;
+  }
+}
+
 TEST_F(DeviceLight, AllFluxArrives) {
   const Model model = precompute_or_throw(box_room({}), coarse(0.25));
   LightSession on_device = session(model);
