@@ -49,7 +49,7 @@ Result<std::vector<Rgb>> source_and_products(SolverSession& session, const Light
 
 Result<Solution> solve_by_products(SolverSession& session, const Model& model, const Lighting& lighting,
                                    const ContractionBound& contraction, double rounding,
-                                   const RoomWeights* rooms, const StopRule& rule,
+                                   const NearAndFar* levels, const StopRule& rule,
                                    const BounceObserver& observer) {
   auto source = source_and_products(session, lighting);
   if (!source) return tl::unexpected<Error>(source.error());
@@ -60,8 +60,8 @@ Result<Solution> solve_by_products(SolverSession& session, const Model& model, c
   const BounceObserver go_on = [&products](std::uint32_t count, double bound) {
     return products.go_on(count, bound);
   };
-  auto solved = rooms == nullptr ? solve_by_bicgstab(problem, rule, go_on)
-                                 : solve_by_bicgstab_over_rooms(problem, *rooms, rule, go_on);
+  auto solved = levels == nullptr ? solve_by_bicgstab(problem, rule, go_on)
+                                  : solve_by_gmres(problem, *levels, rule, go_on);
   if (products.error()) return tl::unexpected<Error>(*products.error());
   if (!solved) return solved;
   if (auto lit = session.light(lighting, {}); !lit) return tl::unexpected<Error>(lit.error());

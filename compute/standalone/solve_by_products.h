@@ -9,13 +9,13 @@
 
 namespace relume {
 
-/// BiCGSTAB, over the rooms of `rooms` unless it is null, with products by the session's device and the rest
-/// by the processor, in double precision. A bounce of the device is off by at most `rounding` of its result:
-/// a change that is no larger ends the solve. Leaves the session with the lighting and the radiosity of the
+/// BiCGSTAB, or GMRES over `levels` unless it is null, with products by the session's device and the rest by
+/// the processor, in double precision. A bounce of the device is off by at most `rounding` of its result: a
+/// change that is no larger ends the solve. Leaves the session with the lighting and the radiosity of the
 /// solution. Fails as the session, or with cancelled.
 Result<Solution> solve_by_products(SolverSession& session, const Model& model, const Lighting& lighting,
                                    const ContractionBound& contraction, double rounding,
-                                   const RoomWeights* rooms, const StopRule& rule,
+                                   const NearAndFar* levels, const StopRule& rule,
                                    const BounceObserver& observer);
 
 }  // namespace relume

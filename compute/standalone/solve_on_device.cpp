@@ -265,7 +265,7 @@ double predicted_bounces(const ContractionBound& contraction, const StopRule& ru
 }
 
 bool by_products(Method method) {
-  return method == Method::bicgstab || method == Method::two_level_bicgstab;
+  return method == Method::bicgstab || method == Method::two_level_gmres;
 }
 
 Result<DeviceMethod> choose_method(SolverSession& session, const Model& model,
@@ -287,9 +287,9 @@ Result<void> solve_by_products(SolverSession& session, const Model& model, const
                                const ContractionBound& contraction, const DeviceMethod& method,
                                const StopRule& rule, const DeviceSolveOptions& options, DeviceSolution& out) {
   const double rounding = rounding_of_bounce(model);
-  const RoomWeights* rooms = method.method == Method::bicgstab ? nullptr : &method.rooms;
+  const NearAndFar* levels = method.method == Method::bicgstab ? nullptr : &method.near_and_far;
   auto solved =
-      solve_by_products(session, model, lighting, contraction, rounding, rooms, rule, options.observer);
+      solve_by_products(session, model, lighting, contraction, rounding, levels, rule, options.observer);
   if (!solved) return failed(solved.error());
   out.solution = std::move(*solved);
   out.limited_by_rounding = rule.tolerance > 0.0 && out.solution.error_bound > rule.tolerance &&

@@ -23,13 +23,13 @@ namespace relume {
 /// Not measured: see tuned_row_kernel.
 RowKernel default_row_kernel(const StandaloneDevice& device, const Model& model);
 
-/// How to solve, and the rooms that the methods with two levels need.
+/// How to solve, and what the methods with two levels need.
 struct DeviceMethod {
   /// bounces, two_level (PassWishes::correct, of at most kMaxDeviceRooms rooms), bicgstab or
-  /// two_level_bicgstab (of any rooms): for these two the device does the products, and the processor the
-  /// rest.
+  /// two_level_gmres: for these two the device does the products, and the processor the rest.
   Method method = Method::bounces;
-  RoomWeights rooms{};
+  RoomWeights rooms{};        ///< of two_level
+  NearAndFar near_and_far{};  ///< of two_level_gmres
 };
 
 /// Asked once the contraction is known; `bounces`: how many plain ones could be needed.

@@ -116,27 +116,6 @@ std::uint64_t key_of(double first_value, const glm::vec3& centroid) {
   return mix(key, 0x524f4f4dull);
 }
 
-/// Clusters are joined with the leaves of the nodes that they see.
-std::vector<std::uint32_t> joined_sets(const SenderMatrix& matrix) {
-  const std::uint32_t clusters = matrix.rows.rows;
-  const std::uint32_t leaves = matrix.rows.columns - matrix.nodes.rows;
-  JoinedSets sets(clusters);
-  for (std::uint32_t row = 0; row < clusters; ++row) {
-    for (std::uint64_t entry = matrix.rows.row_offsets[row]; entry < matrix.rows.row_offsets[row + 1];
-         ++entry) {
-      const std::uint32_t sender = matrix.rows.column_indices[entry];
-      if (sender < clusters) sets.join(row, sender);
-      if (sender < leaves) continue;
-      const std::uint32_t node = sender - leaves;
-      for (std::uint64_t leaf = matrix.nodes.row_offsets[node]; leaf < matrix.nodes.row_offsets[node + 1];
-           ++leaf) {
-        if (matrix.nodes.column_indices[leaf] < clusters) sets.join(row, matrix.nodes.column_indices[leaf]);
-      }
-    }
-  }
-  return sets.all();
-}
-
 /// Functions of all senders: zero for the sky, with which the share of a sender that is no sky comes last.
 struct WeightedFunctions {
   RoomFunctions values{};
@@ -155,6 +134,8 @@ WeightedFunctions weighted_sum(const CsrMatrix& matrix, std::uint32_t row,
   return sum;
 }
 
+}  // namespace
+
 void average_over_view(const SenderMatrix& matrix, const std::vector<RoomFunctions>& values,
                        std::vector<RoomFunctions>& means) {
   std::vector<WeightedFunctions> senders;
@@ -170,8 +151,6 @@ void average_over_view(const SenderMatrix& matrix, const std::vector<RoomFunctio
     for (std::size_t f = 0; f < kRoomFunctions; ++f) means[row][f] = sum.values[f] / sum.weight;
   }
 }
-
-}  // namespace
 
 JoinedSets::JoinedSets(std::size_t count) : parent_(count) {
   std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
@@ -191,6 +170,26 @@ std::vector<std::uint32_t> JoinedSets::all() {
   std::vector<std::uint32_t> result(parent_.size());
   for (std::uint32_t i = 0; i < result.size(); ++i) result[i] = find(i);
   return result;
+}
+
+std::vector<std::uint32_t> joined_sets(const SenderMatrix& matrix) {
+  const std::uint32_t clusters = matrix.rows.rows;
+  const std::uint32_t leaves = matrix.rows.columns - matrix.nodes.rows;
+  JoinedSets sets(clusters);
+  for (std::uint32_t row = 0; row < clusters; ++row) {
+    for (std::uint64_t entry = matrix.rows.row_offsets[row]; entry < matrix.rows.row_offsets[row + 1];
+         ++entry) {
+      const std::uint32_t sender = matrix.rows.column_indices[entry];
+      if (sender < clusters) sets.join(row, sender);
+      if (sender < leaves) continue;
+      const std::uint32_t node = sender - leaves;
+      for (std::uint64_t leaf = matrix.nodes.row_offsets[node]; leaf < matrix.nodes.row_offsets[node + 1];
+           ++leaf) {
+        if (matrix.nodes.column_indices[leaf] < clusters) sets.join(row, matrix.nodes.column_indices[leaf]);
+      }
+    }
+  }
+  return sets.all();
 }
 
 Rooms find_rooms(const RoomSearch& search, const AverageOverView& average, const RoomScale& scale) {

@@ -65,7 +65,15 @@ struct RoomSearch {
 using AverageOverView =
     std::function<void(const std::vector<RoomFunctions>& values, std::vector<RoomFunctions>& means)>;
 
+/// That of a matrix; the sky counts as not seen.
+void average_over_view(const SenderMatrix& matrix, const std::vector<RoomFunctions>& values,
+                       std::vector<RoomFunctions>& means);
+
 Rooms find_rooms(const RoomSearch& search, const AverageOverView& average, const RoomScale& scale = {});
+
+/// Clusters that a chain of form factors joins have the same number, the lowest of theirs; nodes stand for
+/// their leaves.
+std::vector<std::uint32_t> joined_sets(const SenderMatrix& matrix);
 
 /// Sets of clusters that are joined one pair after the other; the smallest number stands for the set.
 class JoinedSets {

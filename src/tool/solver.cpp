@@ -49,10 +49,8 @@ Result<Solution> solve_by_choice(const Model& model, const SenderMatrix& bounce_
     outcome.method_reason = std::move(choice.reason);
     outcome.scene = choice.scene;
   }
-  const bool needs_rooms =
-      outcome.method == Method::two_level || outcome.method == Method::two_level_bicgstab;
-  const Rooms rooms = needs_rooms ? correction_rooms(model, bounce_matrix) : Rooms{};
-  return solve_by(outcome.method, *problem, rooms, rule, observer);
+  const SceneLevels levels = scene_levels(outcome.method, model, bounce_matrix);
+  return solve_by(outcome.method, *problem, levels, rule, observer);
 }
 
 Result<SolveOutcome> solve_by_reference(const Model& model, const Lighting& lighting, const StopRule& rule,
@@ -118,25 +116,24 @@ Result<void> choose_kernel(StandaloneDevice& device, const Model& model, const s
 constexpr double kFewDeviceBounces = 60.0;
 
 Result<void> check_device_method(const std::optional<Method>& method) {
-  for (const Method known :
-       {Method::bounces, Method::two_level, Method::bicgstab, Method::two_level_bicgstab}) {
+  for (const Method known : {Method::bounces, Method::two_level, Method::bicgstab, Method::two_level_gmres}) {
     if (method.value_or(Method::bounces) == known) return {};
   }
   return fail(ErrorCode::usage,
               fmt::format("--method {} runs on --device reference only; a Vulkan device does bounces, "
-                          "two-level, bicgstab and two-level-bicgstab",
+                          "two-level, bicgstab and two-level-gmres",
                           method_names()[std::size_t(*method)]));
 }
 
 DeviceMethod device_method(const Model& model, const std::optional<Method>& asked_for, double bounces) {
   const Method fastest = bounces <= kFewDeviceBounces ? Method::bounces : Method::bicgstab;
   const Method method = asked_for.value_or(fastest);
-  if (method != Method::two_level && method != Method::two_level_bicgstab) return {method, {}};
+  if (method != Method::two_level && method != Method::two_level_gmres) return {method};
   const SenderMatrix bounce_matrix = reference_matrices(model).bounce;
+  SceneLevels levels = scene_levels(method, model, bounce_matrix);
+  if (method == Method::two_level_gmres) return {method, {}, std::move(levels.near_and_far)};
   const std::vector<double> areas = cluster_areas(model);
-  Rooms rooms = correction_rooms(model, bounce_matrix);
-  if (method == Method::two_level) rooms = largest_rooms(rooms, areas, kMaxDeviceRooms);
-  return {method, room_weights(bounce_matrix, areas, rooms)};
+  return {method, room_weights(bounce_matrix, areas, largest_rooms(levels.rooms, areas, kMaxDeviceRooms))};
 }
 
 std::string reason_of(const DeviceSolution& solved, const StopRule& rule,

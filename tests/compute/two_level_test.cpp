@@ -129,17 +129,17 @@ TEST_F(TwoLevel, AgreesWithPlainBouncesInScenesThatAreNotEven) {
     EXPECT_GE(std::min({value.x, value.y, value.z}), 0.0);
 }
 
-TEST_F(TwoLevel, BicgstabHasItsProductsDoneByTheDevice) {
+TEST_F(TwoLevel, KrylovMethodsHaveTheirProductsDoneByTheDevice) {
   const Model model = random_model({.nodes = 9, .spanning_nodes = 20, .row_sum = 0.999}, 64);
   Lighting lighting = random_lighting(model, 65);
   for (Rgb& albedo : lighting.albedo) albedo = 0.9 + 0.09 * albedo;
   const StopRule rule{5000, 1e-5};
   const auto plain = solve_on_device(device(), model, lighting, rule);
   ASSERT_TRUE(plain);
-  const std::vector<std::uint32_t> rooms(cluster_offsets(model).back(), 0);
-  for (const Method method : {Method::bicgstab, Method::two_level_bicgstab}) {
+  const NearAndFar levels = near_and_far(reference_matrices(model).bounce, cluster_areas(model));
+  for (const Method method : {Method::bicgstab, Method::two_level_gmres}) {
     DeviceSolveOptions options;
-    options.choose_method = [&](double) { return DeviceMethod{method, weights_of(model, rooms, 1)}; };
+    options.choose_method = [&](double) { return DeviceMethod{method, {}, levels}; };
     const auto out = solve_on_device(device(), model, lighting, rule, options);
     ASSERT_TRUE(out) << out.error().message;
     EXPECT_EQ(out->method, method);
@@ -155,7 +155,7 @@ TEST_F(TwoLevel, BicgstabHasItsProductsDoneByTheDevice) {
 TEST_F(TwoLevel, BicgstabEndsWhereProductsRound) {
   const Model model = two_rooms();
   DeviceSolveOptions options;
-  options.choose_method = [&](double) { return DeviceMethod{Method::bicgstab, {}}; };
+  options.choose_method = [&](double) { return DeviceMethod{Method::bicgstab}; };
   const auto out = solve_on_device(device(), model, lit(0.0), {5000, 1e-12}, options);
   ASSERT_TRUE(out) << out.error().message;
   EXPECT_TRUE(out->limited_by_rounding);
@@ -166,7 +166,7 @@ TEST_F(TwoLevel, BicgstabEndsWhereProductsRound) {
 
 TEST_F(TwoLevel, RefusesMethodsThatNeedTheMatrix) {
   DeviceSolveOptions options;
-  options.choose_method = [&](double) { return DeviceMethod{Method::gauss_seidel, {}}; };
+  options.choose_method = [&](double) { return DeviceMethod{Method::gauss_seidel}; };
   EXPECT_FALSE(solve_on_device(device(), two_rooms(), lit(0.0), {10, 0.0}, options));
 }
 

@@ -83,7 +83,9 @@ Outcome judge(const Case& c, const Result<Solution>& solution, const StopRule& r
 Outcome run_method(const Case& c, Method method) {
   const Result<BounceProblem> problem = make_bounce_problem(c.matrix, c.lighting, c.areas);
   if (!problem) return {OutcomeKind::refused, 0, problem.error().message};
-  return judge(c, solve_by(method, *problem, c.rooms, kLabRule), kLabRule);
+  SceneLevels levels{c.rooms, {}};
+  if (method == Method::two_level_gmres) levels.near_and_far = near_and_far(c.matrix, c.areas);
+  return judge(c, solve_by(method, *problem, levels, kLabRule), kLabRule);
 }
 
 std::string describe(const Outcome& outcome) {

@@ -35,6 +35,12 @@ std::vector<Rgb> CertifiedSolve::irradiance(const std::vector<Rgb>& x) {
   return result;
 }
 
+std::vector<Rgb> CertifiedSolve::remainder(const std::vector<Rgb>& x) {
+  std::vector<Rgb> result = irradiance(x);
+  for (std::size_t i = 0; i < x.size(); ++i) result[i] = x[i] - problem_.albedo[i] * result[i];
+  return result;
+}
+
 std::vector<Rgb> CertifiedSolve::product(const std::vector<Rgb>& x) const {
   return problem_.product ? problem_.product(x) : cluster_product(*problem_.matrix, x);
 }

@@ -25,6 +25,9 @@ class CertifiedSolve {
   /// K x. Counts as a product.
   std::vector<Rgb> irradiance(const std::vector<Rgb>& x);
 
+  /// (1 - rho K) x. Counts as a product.
+  std::vector<Rgb> remainder(const std::vector<Rgb>& x);
+
   /// S + rho K x, certified. Counts as a product.
   std::vector<Rgb> bounce(const std::vector<Rgb>& x);
 

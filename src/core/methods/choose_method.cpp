@@ -55,7 +55,7 @@ MethodChoice choose_method(const BounceProblem& problem, const StopRule& rule) {
     choice.reason = fmt::format("{}: {:.0f} bounces do", radius, scene.bounces);
     return choice;
   }
-  choice.method = scene.bounces <= kManyBounces ? Method::bicgstab : Method::two_level_bicgstab;
+  choice.method = scene.bounces <= kManyBounces ? Method::bicgstab : Method::two_level_gmres;
   const std::string symmetry =
       scene.symmetry_defect
           ? fmt::format("the matrix differs from symmetry by {:.2g}", *scene.symmetry_defect)

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/methods/bounce_problem.h"
+#include "core/methods/near_and_far.h"
 #include "core/methods/room_correction.h"
 #include "core/rooms.h"
 
@@ -83,14 +84,10 @@ Result<Solution> solve_by_shooting(const BounceProblem& problem, const StopRule&
 Result<Solution> solve_by_two_levels(const BounceProblem& problem, const Rooms& rooms, const StopRule& rule,
                                      const BounceObserver& observer = {});
 
-/// BiCGSTAB on the problem as the second level leaves it: the same correction, as a preconditioner. For
-/// scenes with cavities that no room stands for.
-Result<Solution> solve_by_bicgstab_over_rooms(const BounceProblem& problem, const Rooms& rooms,
-                                              const StopRule& rule, const BounceObserver& observer = {});
-
-/// The same with weights that were found before.
-Result<Solution> solve_by_bicgstab_over_rooms(const BounceProblem& problem, const RoomWeights& weights,
-                                              const StopRule& rule, const BounceObserver& observer = {});
+/// GMRES (Y. Saad, M. Schultz, 1986) on the problem as two levels leave it (core/methods/near_and_far.h):
+/// light that goes to and fro in gaps below, light between groups above. One product a step.
+Result<Solution> solve_by_gmres(const BounceProblem& problem, const NearAndFar& levels, const StopRule& rule,
+                                const BounceObserver& observer = {});
 
 /// Every way to solve, by name. `ambient`: with an ambient start; `shooting`: Southwell.
 enum class Method {
@@ -103,15 +100,24 @@ enum class Method {
   over_relaxation,
   shooting,
   two_level,
-  two_level_bicgstab
+  two_level_gmres
 };
 
 /// "bounces", "ambient", "chebyshev", "cg", "bicgstab", "gauss-seidel", "sor", "shooting", "two-level",
-/// "two-level-bicgstab"; in the order of Method.
+/// "two-level-gmres"; in the order of Method.
 const std::vector<std::string>& method_names();
 
-/// By the method's own defaults. `rooms` are used by two of them.
-Result<Solution> solve_by(Method method, const BounceProblem& problem, const Rooms& rooms,
+/// What the methods of two levels know of a scene, whatever its albedo.
+struct SceneLevels {
+  Rooms rooms;              ///< of two_level
+  NearAndFar near_and_far;  ///< of two_level_gmres
+};
+
+/// What `method` needs; nothing for the others.
+SceneLevels scene_levels(Method method, const Model& model, const SenderMatrix& bounce_matrix);
+
+/// By the method's own defaults. Of `levels`, what the method does not use may be empty.
+Result<Solution> solve_by(Method method, const BounceProblem& problem, const SceneLevels& levels,
                           const StopRule& rule, const BounceObserver& observer = {});
 
 /// What the choice of a method looks at.
@@ -122,8 +128,8 @@ struct ScenePrediction {
   std::optional<double> symmetry_defect;  ///< absent with nodes
 };
 
-/// The fastest method that is safe for one solve of the scene, what it costs to find rooms included, and why,
-/// in words. Whoever keeps the rooms for many solves does best with two levels throughout.
+/// The fastest method that is safe for one solve of the scene, what it costs to find the levels included, and
+/// why, in words. Whoever keeps the levels for many solves does best with them throughout.
 struct MethodChoice {
   Method method = Method::bounces;
   std::string reason;

@@ -8,16 +8,6 @@
 namespace relume {
 namespace {
 
-/// 1 / x where it is above zero by more than rounding, else 0.
-Rgb inverse_pivot(const Rgb& pivot) {
-  constexpr double kLeast = 1e-9;
-  Rgb result(0.0);
-  for (int channel = 0; channel < 3; ++channel) {
-    if (pivot[channel] > kLeast) result[channel] = 1.0 / pivot[channel];
-  }
-  return result;
-}
-
 /// What each sender's radiosity adds to the clusters of one room, per leaf in the end.
 void add_row(const CsrMatrix& matrix, std::uint32_t row, double factor, std::vector<double>& sums) {
   for (std::uint64_t entry = matrix.row_offsets[row]; entry < matrix.row_offsets[row + 1]; ++entry)
@@ -34,6 +24,22 @@ std::vector<double> weights_of_room(const SenderMatrix& matrix, const std::vecto
   }
   sums.resize(areas.size());
   return sums;
+}
+
+/// 1 - C
+std::vector<Rgb> balance_of_rooms(const RoomWeights& weights, const std::vector<Rgb>& albedo) {
+  const std::size_t count = weights.rooms.count;
+  std::vector<Rgb> matrix(count * count, Rgb(0.0));
+  for (std::size_t room = 0; room < count; ++room) matrix[room * count + room] = Rgb(1.0);
+  for (std::size_t j = 0; j < albedo.size(); ++j) {
+    const std::uint32_t from = weights.rooms.of_cluster[j];
+    if (from == kNone) continue;
+    for (std::uint64_t k = weights.offsets[j]; k < weights.offsets[j + 1]; ++k) {
+      const std::uint32_t to = weights.rooms_reached[k];
+      matrix[to * count + from] -= weights.weights[k] / weights.areas[to] * albedo[j];
+    }
+  }
+  return matrix;
 }
 
 }  // namespace
@@ -64,46 +70,17 @@ RoomWeights room_weights(const SenderMatrix& bounce_matrix, const std::vector<do
   return result;
 }
 
-RoomSolver::RoomSolver(const RoomWeights& weights, const std::vector<Rgb>& albedo) : weights_(weights) {
-  const std::size_t count = weights.rooms.count;
-  factors_.assign(count * count, Rgb(0.0));
-  for (std::size_t room = 0; room < count; ++room) factors_[room * count + room] = Rgb(1.0);
-  for (std::size_t j = 0; j < albedo.size(); ++j) {
-    const std::uint32_t from = weights.rooms.of_cluster[j];
-    if (from == kNone) continue;
-    for (std::uint64_t k = weights.offsets[j]; k < weights.offsets[j + 1]; ++k) {
-      const std::uint32_t to = weights.rooms_reached[k];
-      factors_[to * count + from] -= weights.weights[k] / weights.areas[to] * albedo[j];
-    }
-  }
-  // Rows of C sum to less than 1, so that no pivoting is needed.
-  for (std::size_t pivot = 0; pivot < count; ++pivot) {
-    const Rgb inverse = inverse_pivot(factors_[pivot * count + pivot]);
-    for (std::size_t row = pivot + 1; row < count; ++row) {
-      Rgb& lower = factors_[row * count + pivot];
-      lower *= inverse;
-      for (std::size_t column = pivot + 1; column < count; ++column)
-        factors_[row * count + column] -= lower * factors_[pivot * count + column];
-    }
-  }
-}
+RoomSolver::RoomSolver(const RoomWeights& weights, const std::vector<Rgb>& albedo)
+    : weights_(weights), balance_(balance_of_rooms(weights, albedo), weights.rooms.count) {}
 
 std::vector<Rgb> RoomSolver::irradiance(const std::vector<Rgb>& change) const {
-  const std::size_t count = weights_.rooms.count;
-  std::vector<Rgb> c(count, Rgb(0.0));
+  std::vector<Rgb> c(weights_.rooms.count, Rgb(0.0));
   for (std::size_t j = 0; j < change.size(); ++j) {
     for (std::uint64_t k = weights_.offsets[j]; k < weights_.offsets[j + 1]; ++k)
       c[weights_.rooms_reached[k]] += weights_.weights[k] * change[j];
   }
-  for (std::size_t row = 0; row < count; ++row) {
-    c[row] /= weights_.areas[row];
-    for (std::size_t column = 0; column < row; ++column) c[row] -= factors_[row * count + column] * c[column];
-  }
-  for (std::size_t row = count; row-- > 0;) {
-    for (std::size_t column = row + 1; column < count; ++column)
-      c[row] -= factors_[row * count + column] * c[column];
-    c[row] *= inverse_pivot(factors_[row * count + row]);
-  }
+  for (std::size_t room = 0; room < c.size(); ++room) c[room] /= weights_.areas[room];
+  balance_.solve(c);
   return c;
 }
 

@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/methods/rgb_lu.h"
 #include "core/rooms.h"
 
 namespace relume {
@@ -32,8 +33,7 @@ struct RoomWeights {
 RoomWeights room_weights(const SenderMatrix& bounce_matrix, const std::vector<double>& areas,
                          const Rooms& rooms);
 
-/// 1 - C of three channels, factored. A room whose light would not fade (a pivot that is not above zero) gets
-/// no correction.
+/// 1 - C of three channels, factored. A room whose light would not fade gets no correction.
 class RoomSolver {
  public:
   RoomSolver(const RoomWeights& weights, const std::vector<Rgb>& albedo);
@@ -43,7 +43,7 @@ class RoomSolver {
 
  private:
   const RoomWeights& weights_;
-  std::vector<Rgb> factors_;  ///< rooms x rooms: L below the diagonal, U on and above it
+  RgbLu balance_;
 };
 
 /// x += rho c, each cluster with the irradiance of its room; channel by channel.

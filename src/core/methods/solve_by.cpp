@@ -4,13 +4,21 @@
 namespace relume {
 
 const std::vector<std::string>& method_names() {
-  static const std::vector<std::string> names{"bounces",   "ambient",           "chebyshev", "cg",
-                                              "bicgstab",  "gauss-seidel",      "sor",       "shooting",
-                                              "two-level", "two-level-bicgstab"};
+  static const std::vector<std::string> names{"bounces",   "ambient",        "chebyshev", "cg",
+                                              "bicgstab",  "gauss-seidel",   "sor",       "shooting",
+                                              "two-level", "two-level-gmres"};
   return names;
 }
 
-Result<Solution> solve_by(Method method, const BounceProblem& problem, const Rooms& rooms,
+SceneLevels scene_levels(Method method, const Model& model, const SenderMatrix& bounce_matrix) {
+  SceneLevels levels;
+  if (method == Method::two_level) levels.rooms = correction_rooms(model, bounce_matrix);
+  if (method == Method::two_level_gmres)
+    levels.near_and_far = near_and_far(bounce_matrix, cluster_areas(model));
+  return levels;
+}
+
+Result<Solution> solve_by(Method method, const BounceProblem& problem, const SceneLevels& levels,
                           const StopRule& rule, const BounceObserver& observer) {
   switch (method) {
     case Method::bounces:
@@ -30,9 +38,9 @@ Result<Solution> solve_by(Method method, const BounceProblem& problem, const Roo
     case Method::shooting:
       return solve_by_shooting(problem, rule, observer);
     case Method::two_level:
-      return solve_by_two_levels(problem, rooms, rule, observer);
-    case Method::two_level_bicgstab:
-      return solve_by_bicgstab_over_rooms(problem, rooms, rule, observer);
+      return solve_by_two_levels(problem, levels.rooms, rule, observer);
+    case Method::two_level_gmres:
+      return solve_by_gmres(problem, levels.near_and_far, rule, observer);
   }
   return fail(ErrorCode::usage, "unknown method");
 }

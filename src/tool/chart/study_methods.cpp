@@ -23,13 +23,13 @@ constexpr std::size_t kProductsLight = 2;
 class MethodRun {
  public:
   MethodRun(Method method, const SensorMatrices& matrices, const std::vector<Lighting>& lightings,
-            const std::vector<BounceProblem>& problems, const Rooms& rooms)
-      : method_(method), matrices_(matrices), lightings_(lightings), problems_(problems), rooms_(rooms) {}
+            const std::vector<BounceProblem>& problems, const SceneLevels& levels)
+      : method_(method), matrices_(matrices), lightings_(lightings), problems_(problems), levels_(levels) {}
 
   Result<SensorValues> values(std::uint32_t products) {
     std::vector<Result<Solution>> solutions(problems_.size());
     tbb::parallel_for(std::size_t{0}, problems_.size(), [&](std::size_t l) {
-      solutions[l] = solve_by(method_, problems_[l], rooms_, {products, 0.0});
+      solutions[l] = solve_by(method_, problems_[l], levels_, {products, 0.0});
     });
     SensorValues all;
     for (std::size_t l = 0; l < solutions.size(); ++l) {
@@ -44,7 +44,7 @@ class MethodRun {
     Result<Solution> solution;
     for (int i = 0; i < kTimes; ++i)
       times.push_back(seconds_of([&] {
-        solution = solve_by(method_, problems_[kProductsLight], rooms_, {products, 0.0});
+        solution = solve_by(method_, problems_[kProductsLight], levels_, {products, 0.0});
       }));
     if (!solution) return tl::unexpected(solution.error());
     return median(times);
@@ -56,7 +56,7 @@ class MethodRun {
   const SensorMatrices& matrices_;
   const std::vector<Lighting>& lightings_;
   const std::vector<BounceProblem>& problems_;
-  const Rooms& rooms_;
+  const SceneLevels& levels_;
   std::string fallback_;
 };
 
@@ -64,10 +64,14 @@ class MethodRun {
 struct CentreProblems {
   SensorMatrices matrices;
   std::vector<BounceProblem> problems;
-  Rooms rooms;
+  SceneLevels levels;
   SensorValues converged;
   double gather_seconds = 0.0;
 };
+
+SceneLevels all_levels(const Model& model, const SenderMatrix& bounce_matrix) {
+  return {correction_rooms(model, bounce_matrix), near_and_far(bounce_matrix, cluster_areas(model))};
+}
 
 Result<void> fill(const ModelStudy& study, const std::vector<std::uint32_t>& rooms, CentreProblems& out) {
   out.matrices = sensor_matrices(study.centre);
@@ -79,7 +83,7 @@ Result<void> fill(const ModelStudy& study, const std::vector<std::uint32_t>& roo
     if (!problem) return tl::unexpected(problem.error());
     out.problems.push_back(std::move(*problem));
   }
-  out.rooms = correction_rooms(study.centre, out.matrices.bounce);
+  out.levels = all_levels(study.centre, out.matrices.bounce);
   const ReferenceMatrices lumels = reference_matrices(without_sensors(study.centre));
   const Lighting& lighting = study.centre_lightings[kProductsLight];
   out.gather_seconds = seconds_of([&] { gather(lumels.gather, lighting, lighting.exitance); });
@@ -89,7 +93,7 @@ Result<void> fill(const ModelStudy& study, const std::vector<std::uint32_t>& roo
 /// Nothing, and a note, where the method does not do it by itself.
 Result<std::optional<RelightPoint>> time_method(Method method, const ChartTest& test, const ModelStudy& study,
                                                 const CentreProblems& centre, ChartData& data) {
-  MethodRun run(method, centre.matrices, study.centre_lightings, centre.problems, centre.rooms);
+  MethodRun run(method, centre.matrices, study.centre_lightings, centre.problems, centre.levels);
   RelightPoint point;
   point.axis = "method", point.value = method_names()[std::size_t(method)], point.method = method;
   const auto enough = [&](std::uint32_t products) -> Result<bool> {
@@ -121,7 +125,7 @@ struct ProductsTest {
   SenderMatrix matrix;
   Lighting lighting;
   std::vector<double> areas;
-  Rooms rooms;
+  SceneLevels levels;
 };
 
 Result<ProductsTest> make_products_test(const ChartPlan& plan, const ChartTest& test) {
@@ -140,7 +144,7 @@ Result<ProductsTest> make_products_test(const ChartPlan& plan, const ChartTest& 
   auto lighting = test_lighting(*model, bare.lights[kProductsLight]);
   if (!lighting) return tl::unexpected(lighting.error());
   ProductsTest result{reference_matrices(*model).bounce, std::move(*lighting), cluster_areas(*model), {}};
-  result.rooms = correction_rooms(*model, result.matrix);
+  result.levels = all_levels(*model, result.matrix);
   return result;
 }
 
@@ -160,11 +164,11 @@ using NamedSolve =
     std::pair<std::string, std::function<Result<Solution>(const BounceProblem&, const StopRule&)>>;
 
 /// All methods, and conjugate gradients with their check for symmetry off.
-std::vector<NamedSolve> named_solves(const Rooms& rooms) {
+std::vector<NamedSolve> named_solves(const SceneLevels& levels) {
   std::vector<NamedSolve> all;
   for (std::size_t m = 0; m < method_names().size(); ++m) {
-    all.emplace_back(method_names()[m], [m, &rooms](const BounceProblem& problem, const StopRule& rule) {
-      return solve_by(Method(m), problem, rooms, rule);
+    all.emplace_back(method_names()[m], [m, &levels](const BounceProblem& problem, const StopRule& rule) {
+      return solve_by(Method(m), problem, levels, rule);
     });
   }
   all.emplace_back("cg unchecked", [](const BounceProblem& problem, const StopRule& rule) {
@@ -223,9 +227,9 @@ Result<void> count_products(const ChartPlan& plan, const ChartTest& test, ChartP
     products->lighting.albedo.assign(products->areas.size(), Rgb(albedo));
     const auto problem = make_bounce_problem(products->matrix, products->lighting, products->areas);
     if (!problem) return tl::unexpected(problem.error());
-    const auto exact = solve_by_bicgstab_over_rooms(*problem, products->rooms, {100000, 1e-6});
+    const auto exact = solve_by_gmres(*problem, products->levels.near_and_far, {100000, 1e-6});
     if (!exact) return tl::unexpected(exact.error());
-    const std::vector<NamedSolve> solves = named_solves(products->rooms);
+    const std::vector<NamedSolve> solves = named_solves(products->levels);
     std::vector<ProductsPoint> points(solves.size());
     tbb::parallel_for(std::size_t{0}, solves.size(), [&](std::size_t s) {
       points[s] = count_products(solves[s], *problem, exact->radiosity, albedo, plan.most_products);
