@@ -116,7 +116,7 @@ Measurements levels(const BenchmarkOptions& options) {
   if (!model) return tl::unexpected(model.error());
   auto device = StandaloneDevice::create({});
   if (!device) return tl::unexpected(device.error());
-  SenderMatrix matrix = reference_matrices(*model).bounce;
+  SenderMatrix matrix = reference_bounce_matrix(*model);
   const std::vector<double> areas = cluster_areas(*model);
   const Rooms rooms = correction_rooms(*model, matrix);
   const NearAndFar levels = near_and_far(matrix, areas);

@@ -59,6 +59,8 @@ class SenderNumbers {
 /// loaded has no column: it has no radiosity either.
 void append_rows(const CsrMatrix& local, const std::vector<std::uint32_t>& numbers, CsrMatrix& all) {
   std::vector<std::pair<std::uint32_t, double>> row_entries;
+  all.column_indices.reserve(all.values.size() + local.values.size());
+  all.values.reserve(all.values.size() + local.values.size());
   for (std::uint32_t row = 0; row < local.rows; ++row) {
     row_entries.clear();
     for (std::uint64_t entry = local.row_offsets[row]; entry < local.row_offsets[row + 1]; ++entry) {
@@ -125,20 +127,27 @@ SenderMatrix::SenderMatrix(CsrMatrix all_rows, CsrMatrix all_nodes)
 
 namespace {
 
-ReferenceMatrices decoded_matrices(const Model& model, CsrMatrix (*decode_rows)(const BlockMatrix&)) {
+using DecodeRows = CsrMatrix (*)(const BlockMatrix&);
+
+/// `part`: which rows of each system.
+SenderMatrix decoded_matrix(const Model& model, BlockMatrix System::*part, DecodeRows decode_rows) {
   const SenderNumbers numbers(model);
-  const CsrMatrix nodes = node_matrix(model, numbers.leaves());
-  CsrMatrix bounce = empty_matrix(numbers.senders());
-  CsrMatrix gather = empty_matrix(numbers.senders());
-  for (const System& system : model.systems) {
-    const std::vector<std::uint32_t> columns = numbers.of_imports(system);
-    append_rows(decode_rows(system.bounce), columns, bounce);
-    append_rows(decode_rows(system.gather), columns, gather);
-  }
-  return {SenderMatrix(std::move(bounce), nodes), SenderMatrix(std::move(gather), nodes)};
+  CsrMatrix rows = empty_matrix(numbers.senders());
+  for (const System& system : model.systems)
+    append_rows(decode_rows(system.*part), numbers.of_imports(system), rows);
+  return {std::move(rows), node_matrix(model, numbers.leaves())};
+}
+
+ReferenceMatrices decoded_matrices(const Model& model, DecodeRows decode_rows) {
+  return {decoded_matrix(model, &System::bounce, decode_rows),
+          decoded_matrix(model, &System::gather, decode_rows)};
 }
 
 }  // namespace
+
+SenderMatrix reference_bounce_matrix(const Model& model) {
+  return decoded_matrix(model, &System::bounce, decode);
+}
 
 ReferenceMatrices reference_matrices(const Model& model) {
   return decoded_matrices(model, decode);

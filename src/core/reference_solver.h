@@ -32,6 +32,9 @@ struct ReferenceMatrices {
 /// The model must be valid (check_model).
 ReferenceMatrices reference_matrices(const Model& model);
 
+/// The first of them alone.
+SenderMatrix reference_bounce_matrix(const Model& model);
+
 /// Of the same pattern: how far the entries of the rows may be from those that were encoded (decode_slack).
 ReferenceMatrices reference_slack(const Model& model);
 

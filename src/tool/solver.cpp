@@ -129,7 +129,7 @@ DeviceMethod device_method(const Model& model, const std::optional<Method>& aske
   const Method fastest = bounces <= kFewDeviceBounces ? Method::bounces : Method::bicgstab;
   const Method method = asked_for.value_or(fastest);
   if (method != Method::two_level && method != Method::two_level_gmres) return {method};
-  const SenderMatrix bounce_matrix = reference_matrices(model).bounce;
+  const SenderMatrix bounce_matrix = reference_bounce_matrix(model);
   SceneLevels levels = scene_levels(method, model, bounce_matrix);
   if (method == Method::two_level_gmres) return {method, {}, std::move(levels.near_and_far)};
   const std::vector<double> areas = cluster_areas(model);

@@ -342,7 +342,7 @@ TEST_F(SolveOnDevice, RefusesWhatDoesNotContractInTheWordsOfTheReference) {
   // Rows that sum to 1.2: no room could look like that.
   for (float& scale : model.systems[0].bounce.blocks[0].row_scales) scale *= 1.2f;
   const Lighting lighting = uniform_lighting(2, Rgb(0.9999), Rgb(1.0));
-  const auto reference = solve_reference(reference_matrices(model).bounce, lighting, {});
+  const auto reference = solve_reference(reference_bounce_matrix(model), lighting, {});
   const auto out = solve_on_device(device(), model, lighting, {});
   ASSERT_FALSE(reference);
   ASSERT_FALSE(out);

@@ -68,7 +68,7 @@ std::vector<Rgb> exact(const Lighting& lighting) {
 }
 
 RoomWeights weights_of(const Model& model, std::vector<std::uint32_t> room_of_cluster, std::uint32_t count) {
-  return room_weights(reference_matrices(model).bounce, cluster_areas(model),
+  return room_weights(reference_bounce_matrix(model), cluster_areas(model),
                       {std::move(room_of_cluster), count});
 }
 
@@ -136,7 +136,7 @@ TEST_F(TwoLevel, KrylovMethodsHaveTheirProductsDoneByTheDevice) {
   const StopRule rule{5000, 1e-5};
   const auto plain = solve_on_device(device(), model, lighting, rule);
   ASSERT_TRUE(plain);
-  const NearAndFar levels = near_and_far(reference_matrices(model).bounce, cluster_areas(model));
+  const NearAndFar levels = near_and_far(reference_bounce_matrix(model), cluster_areas(model));
   for (const Method method : {Method::bicgstab, Method::two_level_gmres}) {
     DeviceSolveOptions options;
     options.choose_method = [&](double) { return DeviceMethod{method, {}, levels}; };

@@ -276,7 +276,7 @@ TEST(ReferenceMatrices, NumberSendersThroughAllSystems) {
 TEST(ReferenceMatrices, SortColumnsWhateverTheOrderOfImports) {
   Model model = test::tiny_model();
   model.systems[0].imports = {{kSkySystem, 0}, {1, 0}};
-  const CsrMatrix bounce_matrix = reference_matrices(model).bounce.rows;
+  const CsrMatrix bounce_matrix = reference_bounce_matrix(model).rows;
   EXPECT_EQ(bounce_matrix.column_indices, (std::vector<std::uint32_t>{1, 2, 0}));
   EXPECT_FLOAT_EQ(static_cast<float>(bounce_matrix.values[0]), 0.5f);
 }

@@ -123,7 +123,7 @@ TEST(SpanningNodes, WhateverPassesTheChecksIsSafeToUse) {
         ++(read ? accepted : refused);
         if (!read) continue;
         for (const double b : missing_share(*read).clusters) EXPECT_EQ(b, 0.0);
-        EXPECT_TRUE(solve_reference(reference_matrices(*read).bounce, stored_lighting(*read), {3, 0.0}));
+        EXPECT_TRUE(solve_reference(reference_bounce_matrix(*read), stored_lighting(*read), {3, 0.0}));
       }
     }
   }
@@ -153,7 +153,7 @@ TEST(SystemsNotLoaded, ASenderOfTheirsIsAllMissing) {
   model.top_parts.clear();
   ASSERT_TRUE(check_model(model)) << check_model(model).error().message;
   EXPECT_NEAR(missing_share(model).clusters[0], 0.2, 1e-7);
-  EXPECT_EQ(reference_matrices(model).bounce.rows.values.size(), 1u) << "the sky is left";
+  EXPECT_EQ(reference_bounce_matrix(model).rows.values.size(), 1u) << "the sky is left";
 }
 
 TEST(SystemsNotLoaded, ThatHoldSomethingAreRefused) {
@@ -183,7 +183,7 @@ TEST(MissingLight, IsExactWhenTheAssumptionIs) {
   both.exitance[0] = Rgb(100.0);
   both.albedo[1] = Rgb(0.8);
   both.sky_radiosity = {Rgb(0.0)};
-  const auto full = solve_reference(reference_matrices(model).bounce, both, {10000, 1e-12});
+  const auto full = solve_reference(reference_bounce_matrix(model), both, {10000, 1e-12});
   ASSERT_TRUE(full);
   EXPECT_NEAR(full->radiosity[0].x, 100.0 / 0.9, 1e-6);
 
@@ -191,7 +191,7 @@ TEST(MissingLight, IsExactWhenTheAssumptionIs) {
   part.systems[1] = without_lid().systems[1];
   Lighting alone = test::uniform_lighting(1, Rgb(0.5), Rgb(100.0));
   alone.sky_radiosity = {Rgb(0.0)};
-  const SenderMatrix matrix = reference_matrices(part).bounce;
+  const SenderMatrix matrix = reference_bounce_matrix(part);
   const auto left = solve_reference(matrix, alone, {10000, 1e-12});
   ASSERT_TRUE(left);
   EXPECT_NEAR(left->radiosity[0].x, 100.0, 1e-9);

@@ -49,7 +49,7 @@ const System& system_of(const Model& model, const std::string& name) {
 
 /// Form factors of each cluster of a system, ascending: the order of senders follows what is seen of the sky.
 std::vector<std::vector<double>> sorted_rows(const Model& model, const std::string& name) {
-  const CsrMatrix matrix = reference_matrices(model).bounce.rows;
+  const CsrMatrix matrix = reference_bounce_matrix(model).rows;
   const auto index = std::size_t(&system_of(model, name) - model.systems.data());
   std::vector<std::vector<double>> rows;
   for (auto row = cluster_offsets(model)[index]; row < cluster_offsets(model)[index + 1]; ++row) {
@@ -72,7 +72,7 @@ TEST(Extras, ClustersAndProbesReflectWithoutALightmap) {
     EXPECT_TRUE(above.charts.empty()) << receiver;
     EXPECT_EQ(above.clusters.size(), 16u) << receiver;
     EXPECT_EQ(system_of(model, "below").lumels.size(), 64u) << receiver;
-    EXPECT_EQ(reference_matrices(model).bounce.rows.values, reference_matrices(plain).bounce.rows.values)
+    EXPECT_EQ(reference_bounce_matrix(model).rows.values, reference_bounce_matrix(plain).rows.values)
         << receiver;
   }
 }
@@ -86,7 +86,7 @@ TEST(Extras, NoneOnlyBlocks) {
   EXPECT_EQ(model.occluders.triangles.size(), 4u) << "it casts shadows still";
   EXPECT_EQ(model.occluders.system[2], kNone);
   // Nothing comes from it, and no sky through it: between parallel unit squares 1 m apart lies 0.1998.
-  const CsrMatrix rows = reference_matrices(model).bounce.rows;
+  const CsrMatrix rows = reference_bounce_matrix(model).rows;
   double sum = 0.0;
   for (const double value : rows.values) sum += value / rows.rows;
   EXPECT_NEAR(sum, 1.0 - 0.199824896, 0.01);

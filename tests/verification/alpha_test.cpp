@@ -99,7 +99,7 @@ TEST(Alpha, RowsOfAClosedRoomStillSumToOne) {
   for (const Pane pane : {Pane::blend, Pane::checkers}) {
     const Model model = precompute_or_throw(divided_room(pane, Rgb(0.0)), room_options());
     EXPECT_TRUE(model.sky_cells.empty());
-    const CsrMatrix bounce = reference_matrices(model).bounce.rows;
+    const CsrMatrix bounce = reference_bounce_matrix(model).rows;
     for (std::uint32_t row = 0; row < bounce.rows; ++row) {
       const double sum =
           std::accumulate(bounce.values.begin() + std::ptrdiff_t(bounce.row_offsets[row]),
@@ -126,7 +126,7 @@ TEST(Alpha, WhatIsEmittedIsAbsorbed) {
     const RunTimeLighting lit = light(model, scene, {});
     StopRule rule;
     rule.tolerance = 1e-7;
-    const auto solution = solve_reference(reference_matrices(model).bounce, lit.lighting, rule);
+    const auto solution = solve_reference(reference_bounce_matrix(model), lit.lighting, rule);
     ASSERT_TRUE(solution);
     double emitted = 0.0, absorbed = 0.0;
     std::size_t i = 0;

@@ -121,7 +121,7 @@ TEST_F(FlipsTest, LightNeverGrowsNorLeavesItsBound) {
   const Model model = half_a_roof_model(half_a_roof());
   auto session = FrameSession::create(device(), model, {.materials = {StatePer::cluster, kMostAlbedo}});
   ASSERT_TRUE(session) << session.error().message;
-  const SenderMatrix matrix = reference_matrices(model).bounce;
+  const SenderMatrix matrix = reference_bounce_matrix(model);
   Lighting lighting = stored_lighting(model);
   lighting.sky_radiosity = sky_radiosity(turned_sky(0), model.sky_cells, model.sky_resolution);
   Shower shower(lighting.albedo.size());

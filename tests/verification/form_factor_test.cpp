@@ -29,7 +29,7 @@ double row_sum(const CsrMatrix& matrix, std::uint32_t row) {
 
 TEST(CubeFormFactors, AreThoseOfTheCatalogue) {
   const Model model = precompute_or_throw(unit_cube(), options(0.25, 0.0625, 16384));
-  const CsrMatrix bounce = reference_matrices(model).bounce.rows;
+  const CsrMatrix bounce = reference_bounce_matrix(model).rows;
   std::vector<const Cluster*> clusters;
   for (const System& system : model.systems) {
     for (const Cluster& cluster : system.clusters) clusters.push_back(&cluster);
@@ -105,7 +105,7 @@ std::vector<ReciprocityError> reciprocity_errors(const Model& model, std::uint32
       rays.push_back(quality * double(cluster.area) * cluster.area / squares);
     }
   }
-  const DenseMatrix k = to_dense(reference_matrices(model).bounce.rows);
+  const DenseMatrix k = to_dense(reference_bounce_matrix(model).rows);
   std::vector<ReciprocityError> errors;
   for (std::size_t i = 0; i < area.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {

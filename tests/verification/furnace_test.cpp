@@ -134,7 +134,7 @@ TEST(Furnace, SphereWithAnEmittingCap) {
   chosen.quality = 1024;
   const Model model = precompute_or_throw(scene, chosen);
   const auto lit = light(model, scene, {});
-  const auto solution = solve_reference(reference_matrices(model).bounce, lit.lighting, {10000, 1e-6});
+  const auto solution = solve_reference(reference_bounce_matrix(model), lit.lighting, {10000, 1e-6});
   ASSERT_TRUE(solution) << solution.error().message;
   double cap = 0.0, all = 0.0, reflected = 0.0;
   for (const Cluster& cluster : model.systems.at(0).clusters) {

@@ -127,7 +127,7 @@ TEST(Systems, MissingLightIsBoundedWhateverIsNotLoaded) {
   const auto file = std::filesystem::path(testing::TempDir()) / "relume_missing_light_test.relume";
   ASSERT_TRUE(write_model(model, file));
   const RunTimeLighting all = light(model, scene, bulb());
-  const auto exact = solve_reference(reference_matrices(model).bounce, all.lighting, {10000, 1e-9});
+  const auto exact = solve_reference(reference_bounce_matrix(model), all.lighting, {10000, 1e-9});
   ASSERT_TRUE(exact);
   const std::vector<Rgb> irradiance =
       gather(reference_matrices(model).gather, all.lighting, exact->radiosity);

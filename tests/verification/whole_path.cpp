@@ -46,7 +46,7 @@ std::vector<ProbeCoefficients> solve_probes(const Model& model, const RunTimeLig
   StopRule rule;
   rule.tolerance = 1e-6;
   const Solution solution =
-      value_or_throw(solve_reference(reference_matrices(model).bounce, lit.lighting, rule));
+      value_or_throw(solve_reference(reference_bounce_matrix(model), lit.lighting, rule));
   return probe_coefficients(model, lit.lighting, solution.radiosity);
 }
 

@@ -143,7 +143,7 @@ Result<ProductsTest> make_products_test(const ChartPlan& plan, const ChartTest& 
   if (!model) return tl::unexpected(model.error());
   auto lighting = test_lighting(*model, bare.lights[kProductsLight]);
   if (!lighting) return tl::unexpected(lighting.error());
-  ProductsTest result{reference_matrices(*model).bounce, std::move(*lighting), cluster_areas(*model), {}};
+  ProductsTest result{reference_bounce_matrix(*model), std::move(*lighting), cluster_areas(*model), {}};
   result.levels = all_levels(*model, result.matrix);
   return result;
 }
