@@ -147,9 +147,10 @@ Result<void> measure_lights(Bench& bench, std::size_t count, double range) {
   std::vector<double> all, moved, colour;
   std::uint64_t rays = 0, moved_rays = 0;
   const auto set = [&](std::vector<double>& seconds, std::uint64_t* traced) -> Result<void> {
-    Result<SubmitTimes> done = SubmitTimes{};
-    seconds.push_back(1e3 * seconds_of([&] { done = bench.session.set_lights(lights, traced); }));
+    Result<LightTimes> done = LightTimes{};
+    seconds.push_back(1e3 * seconds_of([&] { done = bench.session.set_lights(lights); }));
     if (!done) return tl::unexpected(done.error());
+    if (traced != nullptr) *traced = done->rays;
     return {};
   };
   for (std::uint32_t r = 0; r < bench.repetitions; ++r) {
@@ -167,6 +168,30 @@ Result<void> measure_lights(Bench& bench, std::size_t count, double range) {
   bench.add(name + ", one moved", "ms", moved);
   bench.add(name + ", one moved, rays", "rays", {double(moved_rays)});
   bench.add(name + ", one changes colour", "ms", colour);
+  return {};
+}
+
+/// What a dispatch takes at most: submissions of one dispatch, of lamps from far off a surface to nearly on
+/// it, where few patches are cut often.
+Result<void> measure_dispatches(StandaloneDevice& device, Bench& bench) {
+  LightSessionOptions options;
+  options.max_submit_rays = options.light.max_dispatch_rays;
+  auto session = LightSession::create(device, bench.model, options);
+  if (!session) return tl::unexpected(session.error());
+  const Light lamp = lamps(bench.model, 1, 0.0).front();
+  const Cluster& cluster = bench.model.systems.front().clusters.front();
+  for (const double off : {1.0, 0.1, 0.01, 0.001}) {
+    Light light = lamp;
+    light.position = bench.model.origin + glm::dvec3(cluster.centroid) + off * glm::dvec3(cluster.normal);
+    std::vector<double> longest;
+    for (std::uint32_t r = 0; r <= bench.repetitions; ++r) {
+      session->retrace();
+      const auto done = session->set_lights(std::span(&light, 1));
+      if (!done) return tl::unexpected(done.error());
+      if (r > 0) longest.push_back(1e3 * done->longest_gpu_seconds);  // before, pipelines compile
+    }
+    bench.add(fmt::format("longest dispatch, lamp {:g} m off a surface", off), "ms", longest);
+  }
   return {};
 }
 
@@ -204,6 +229,7 @@ Measurements shadow_rays(const BenchmarkOptions& asked) {
   if (!session) return tl::unexpected(session.error());
   Bench bench{*model, *caster, std::move(*session), options.repetitions};
   bench.add("triangles", "", {double(occluders.triangles.size())});
+  if (auto done = measure_dispatches(*device, bench); !done) return tl::unexpected(done.error());
   if (auto done = measure(bench); !done) return tl::unexpected(done.error());
   return std::move(bench.out);
 }

@@ -137,11 +137,10 @@ Result<SubmitTimes> LightSession::upload(const UploadData& data) {
   return sum;
 }
 
-Result<SubmitTimes> LightSession::set_lights(std::span<const Light> lights, std::uint64_t* rays) {
+Result<LightTimes> LightSession::set_lights(std::span<const Light> lights) {
   if (auto set = schedule_.set_lights(lights); !set) return failed(set.error());
   if (auto grown = grow_staging(light_.staging_bytes(lights.size())); !grown) return failed(grown.error());
-  SubmitTimes sum;
-  if (rays != nullptr) *rays = 0;
+  LightTimes done;
   while (!schedule_.complete()) {
     LightPart part;
     const auto times = device_->submit(
@@ -150,11 +149,12 @@ Result<SubmitTimes> LightSession::set_lights(std::span<const Light> lights, std:
                                options_.max_submit_rays);
         },
         options_.timeout_seconds);
-    if (!times) return times;
-    add(sum, *times);
-    if (rays != nullptr) *rays += part.cost;
+    if (!times) return failed(times.error());
+    add(done.sum, *times);
+    done.rays += part.cost;
+    done.longest_gpu_seconds = std::max(done.longest_gpu_seconds, times->gpu_seconds);
   }
-  return sum;
+  return done;
 }
 
 Result<void> LightSession::write_mask(std::span<const float> visibility) {

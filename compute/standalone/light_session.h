@@ -32,6 +32,12 @@ struct LightSegment {
   glm::vec3 to{0.0f};
 };
 
+struct LightTimes {
+  SubmitTimes sum;
+  std::uint64_t rays = 0;            ///< shadow rays, as planned
+  double longest_gpu_seconds = 0.0;  ///< of one submission
+};
+
 class LightSession {
  public:
   /// The device must outlive the session. The model is uploaded.
@@ -42,9 +48,8 @@ class LightSession {
   const LightSchedule& schedule() const { return schedule_; }
   std::uint64_t device_bytes() const { return arena_.byte_size(); }
 
-  /// Brings H up to date with these lights: traces what has changed since the last call. Gives the shadow
-  /// rays planned, too, if asked.
-  Result<SubmitTimes> set_lights(std::span<const Light> lights, std::uint64_t* rays = nullptr);
+  /// Brings H up to date with these lights: traces what has changed since the last call.
+  Result<LightTimes> set_lights(std::span<const Light> lights);
 
   /// All is traced again at the next set_lights().
   void retrace() { schedule_.retrace(); }

@@ -117,8 +117,9 @@ class DeviceLight : public DeviceTest {
   /// After these lights.
   DeviceDirectLight lit(LightSession& session, const std::vector<Light>& lights,
                         std::uint64_t* rays = nullptr) {
-    const auto set = session.set_lights(lights, rays);
+    const auto set = session.set_lights(lights);
     EXPECT_TRUE(set) << set.error().message;
+    if (set && rays != nullptr) *rays = set->rays;
     return {session.read_clusters().value(), session.read_gather().value()};
   }
 
