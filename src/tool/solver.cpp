@@ -111,9 +111,10 @@ Result<void> choose_kernel(StandaloneDevice& device, const Model& model, const s
   return {};
 }
 
-/// BiCGSTAB needs a tenth to a third of the products, but each goes by way of the processor. Over rooms it
-/// needs hardly fewer, and finding them takes as long as hundreds of bounces of a device.
+/// BiCGSTAB needs a tenth to a third of the products, but each goes by way of the processor.
 constexpr double kFewDeviceBounces = 60.0;
+/// GMRES over two levels needs 5 to 20 products, but to find the levels takes as long as a hundred.
+constexpr double kManyDeviceBounces = 800.0;
 
 Result<void> check_device_method(const std::optional<Method>& method) {
   for (const Method known : {Method::bounces, Method::two_level, Method::bicgstab, Method::two_level_gmres}) {
@@ -126,7 +127,9 @@ Result<void> check_device_method(const std::optional<Method>& method) {
 }
 
 DeviceMethod device_method(const Model& model, const std::optional<Method>& asked_for, double bounces) {
-  const Method fastest = bounces <= kFewDeviceBounces ? Method::bounces : Method::bicgstab;
+  const Method fastest = bounces <= kFewDeviceBounces    ? Method::bounces
+                         : bounces <= kManyDeviceBounces ? Method::bicgstab
+                                                         : Method::two_level_gmres;
   const Method method = asked_for.value_or(fastest);
   if (method != Method::two_level && method != Method::two_level_gmres) return {method};
   const SenderMatrix bounce_matrix = reference_bounce_matrix(model);

@@ -11,9 +11,9 @@ namespace {
 
 /// As many products as BiCGSTAB needs at least; below this, plain bounces are as fast.
 constexpr double kFewBounces = 12.0;
-/// Finding rooms costs about as much as 100 products. BiCGSTAB alone needs about a quarter of the bounces in
-/// furnished scenes.
-constexpr double kManyBounces = 400.0;
+/// To find the two levels costs about as much as 50 products, after which GMRES needs 5 to 20. BiCGSTAB needs
+/// about a quarter of the bounces in furnished scenes.
+constexpr double kManyBounces = 250.0;
 
 double mean_row_sum(const BounceProblem& problem) {
   const CsrMatrix& rows = problem.matrix->rows;
