@@ -51,7 +51,7 @@ struct DirectLightOptions {
   /// 128 bytes each. 0: room for 64 lights that reach everything, and at least 262,144.
   std::uint32_t max_pairs = 0;
   /// No dispatch traces more shadow rays, unless a single pair does: below 50 ms on two cores of a processor.
-  std::uint64_t max_dispatch_rays = 32768;
+  std::uint64_t max_dispatch_rays = 16384;
   std::optional<MatrixFetch> fetch{};  ///< of the tree; nothing: texels, if texel buffers are large enough
 };
 
