@@ -32,8 +32,9 @@ struct ProbedLight {
 std::array<ProbedLight, 2> probed_light(const Probing& probing, const Emitters& emitters,
                                         const FormFactorRow& row) {
   std::array<ProbedLight, 2> sums{};
+  const std::size_t clusters = emitters.of_cluster.size();  // cells of the sky come after them
   for (std::size_t i = 0; i < row.senders.size(); ++i) {
-    ProbedLight& own = sums[emitters.contain(row.senders[i]) ? 1 : 0];
+    ProbedLight& own = sums[row.senders[i] < clusters && emitters.contain(row.senders[i]) ? 1 : 0];
     const ProbingValues& radiosity = probing.senders[row.senders[i]];
     for (std::size_t p = 0; p < kProbings; ++p) {
       const float light = row.values[i] * radiosity[p];
