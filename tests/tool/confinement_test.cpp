@@ -26,7 +26,7 @@ Finished run_within(std::size_t kibibytes, const std::vector<std::string>& argum
 /// From too little for anything to enough: the file, or one sentence about memory.
 void expect_file_or_sentence(const std::vector<std::string>& arguments) {
   int refused = 0, done = 0;
-  for (std::size_t kibibytes = 100'000; kibibytes <= 500'000; kibibytes += 50'000) {
+  for (std::size_t kibibytes = 100'000; kibibytes <= 500'000; kibibytes += 100'000) {
     const Finished finished = run_within(kibibytes, arguments);
     if (finished.status == 127) continue;  // too little for the libraries
     if (finished.status == 0) {
