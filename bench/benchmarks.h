@@ -42,6 +42,10 @@ Measurements solve(const BenchmarkOptions& options);
 /// converged answer.
 Measurements error(const BenchmarkOptions& options);
 
+/// How wide the bracket of the full rows' answer is at the median lumel, for lights that the precompute has
+/// not seen, and how much the certificate is over the error. Fails where an answer lies outside.
+Measurements bounds(const BenchmarkOptions& options);
+
 /// Errors of rows over clusters of 0.5 m, and rays a second, of our rays and of independent random ones.
 Measurements sampling(const BenchmarkOptions& options);
 

@@ -79,7 +79,8 @@ int main(int argc, char** argv) {
   app.add_option("--texel-size", arguments.options.texel_size,
                  "Metres; 0: about 12 k lumels, or as the precompute chooses for --error")
       ->capture_default_str();
-  app.add_option("--error", arguments.options.error, "Error target of the models of frame and tracking")
+  app.add_option("--error", arguments.options.error,
+                 "Error target of the models of bounds, frame and tracking")
       ->check(CLI::Range(1e-3, 1.0))
       ->capture_default_str();
   auto* csv = app.add_flag("--csv", arguments.csv, "Prints CSV");

@@ -83,7 +83,7 @@ Result<VkDescriptorSet> KernelSet::make_set(std::span<const BufferRange> buffers
   }
   const auto views = make_views(texels);
   if (!views) return tl::unexpected<Error>(views.error());
-  const auto set = allocate_set();
+  auto set = allocate_set();
   if (!set) return set;
   std::vector<VkDescriptorBufferInfo> buffer_infos;
   for (const BufferRange& range : buffers)

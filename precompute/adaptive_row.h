@@ -38,9 +38,19 @@ struct RowHalves {
   TracedRow first, second;
 };
 
+/// The variance of a row falls with this power of its rays: that of stratified points in two dimensions whose
+/// light has edges (D. Mitchell, Consequences of Stratified Sampling in Graphics, 1996).
+inline constexpr double kNoiseExponent = 1.5;
+
 /// By how much the irradiance of the rows is uncertain, relative to that of their room: root mean square over
 /// rows and probes of half the difference of the halves. Of points that avoid each other this is more than
 /// the error of their mean.
 double row_noise(const Probing& probing, std::span<const RowHalves> rows);
+
+/// The same as a variance that other lights can be scaled from (core/ray_noise.h): that of the mean of both
+/// halves, of `rays` in all, in the variance of as many independent rays; over all rows and probes. 1 where
+/// there is no light to tell it by.
+VarianceShares variance_shares(const Probing& probing, const Emitters& emitters,
+                               std::span<const RowHalves> rows, std::uint32_t rays);
 
 }  // namespace relume

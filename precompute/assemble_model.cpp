@@ -77,7 +77,7 @@ void store_estimates(const ModelParts& parts, std::size_t s, System& system) {
   system.rays.resize(surface.cluster_count);
   for (std::size_t e = 0; e < surface.cluster.size(); ++e) {
     const RowRays& rays = parts.rows[s].element_rays[e];
-    system.rays[surface.cluster[e]] = {rays.count, rays.noise};
+    system.rays[surface.cluster[e]] = {rays.count, rays.noise, rays.variance};
   }
   if (parts.tiles.empty()) return;
   for (const CutTile& tile : parts.tiles[s].lumels)

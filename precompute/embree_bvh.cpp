@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/ray_offset.h"
+#include "precompute/embree_memory.h"
 #include "precompute/opacity.h"
 
 namespace relume {
@@ -215,6 +216,7 @@ Result<OccluderBvh> build_occluder_bvh(std::span<const glm::vec3> positions,
     const auto& [lower, upper] = boxes[t];
     primitives.push_back({lower.x, lower.y, lower.z, 0, upper.x, upper.y, upper.z, t});
   }
+  if (auto enough = check_embree_memory(chosen.size()); !enough) return tl::unexpected(enough.error());
   const std::unique_ptr<RTCDeviceTy, Release> device(rtcNewDevice(nullptr));
   if (!device) return fail(ErrorCode::out_of_memory, "Embree could not create a device");
   const std::unique_ptr<RTCBVHTy, Release> bvh(rtcNewBVH(device.get()));

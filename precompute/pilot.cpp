@@ -49,7 +49,7 @@ double noise_at(const std::vector<PilotRows>& pilot, const RayLimits& limits, do
   for (const PilotRows& part : pilot) {
     std::uint32_t rays = limits.least;
     const auto squared = [&] {
-      return part.squared_noise * std::pow(double(kPilotRays) / double(rays), 1.5);
+      return part.squared_noise * std::pow(double(kPilotRays) / double(rays), kNoiseExponent);
     };
     while (part.weight * squared() > exchange * double(rays) && 2 * rays <= limits.rays) rays *= 2;
     const double weight = part.weight * double(part.rows.size());

@@ -39,7 +39,7 @@ std::optional<glm::vec3> find_room(const Geometry& geometry, const RayCaster& ca
   for (const float move : kMoves) {
     for (int straight = 1; straight <= 3; ++straight) {
       for (int way = 0; way < 27; ++way) {
-        const glm::vec3 step(float(way % 3 - 1), float(way / 3 % 3 - 1), float(way / 9 - 1));
+        const glm::vec3 step(glm::ivec3(way % 3 - 1, way / 3 % 3 - 1, way / 9 - 1));
         if (int(glm::dot(step, step)) != straight) continue;
         const glm::vec3 moved = corner + move * edge / std::sqrt(float(straight)) * step;
         if (in_free_space(geometry, caster, moved, clearance)) return moved;

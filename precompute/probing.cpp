@@ -171,9 +171,8 @@ void Prober::light_room(std::uint32_t index, std::size_t probing) {
   const float strength = 0.2f + 0.8f * dice.next();
   if (room.area() < least_lit_area_) {
     for (const auto c : room.clusters) emitted_[c][probing] = strength * dice.next();
-  } else if (kind < 0.2f && rooms_.size() > 1) {
-    return;  // dark, but for what comes from its neighbours
-  } else if (by_emitters(probing) && emitters_of_room(index, strength, probing)) {
+  } else if ((kind < 0.2f && rooms_.size() > 1) ||  // dark, but for what comes from its neighbours
+             (by_emitters(probing) && emitters_of_room(index, strength, probing))) {
     return;
   } else if (kind > 0.9f) {
     glowing_patch(room, dice, probing);

@@ -12,6 +12,7 @@
 #include <limits>
 
 #include "core/ray_offset.h"
+#include "precompute/embree_memory.h"
 #include "precompute/opacity.h"
 #include "precompute/overlap_in_plane.h"
 
@@ -323,6 +324,7 @@ const std::string& RayCaster::description() const {
 Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
                                     std::span<const std::array<std::uint32_t, 3>> triangles,
                                     const Opacity& opacity) {
+  if (auto enough = check_embree_memory(triangles.size()); !enough) return tl::unexpected(enough.error());
   auto scene = std::make_unique<Scene>();
   scene->device.reset(rtcNewDevice((std::string("isa=") + instruction_set()).c_str()));
   if (!scene->device) return fail(ErrorCode::out_of_memory, "Embree could not create a device");

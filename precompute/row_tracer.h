@@ -37,6 +37,7 @@ struct PointRange {
 struct RowRays {
   std::uint32_t count = 0;
   float noise = 0.0f;  ///< estimate, relative to the irradiance of the room; 0 where nobody asked
+  VarianceShares variance{};
 };
 
 struct TracedRow {

@@ -19,7 +19,9 @@ namespace {
 constexpr std::uint32_t kSurveyRays = 512, kSurveyElementRays = 32;
 
 struct Worker {
-  explicit Worker(const RowScene& scene) : tracer(scene), mean(sender_count(scene)) {}
+  explicit Worker(const RowScene& scene)
+      : emitters(scene.emitters), tracer(scene), mean(sender_count(scene)) {}
+  const Emitters& emitters;
   RowTracer tracer;
   RowMean mean;
   std::uint64_t cluster_entries = 0, element_entries = 0;
@@ -59,7 +61,7 @@ double area_weight(std::span<const Receiver> receivers, const RayLimits& limits)
 std::vector<TracedRow> trace_neighbours(std::span<const Receiver> receivers, const SobolPoints& points,
                                         const RayLimits& limits, Worker& worker, RowRays& rays) {
   std::vector<TracedRow> rows;
-  rays = {limits.rays, 0.0f};
+  rays = {limits.rays};
   if (limits.exchange <= 0.0) {
     for (const Receiver& receiver : receivers)
       rows.push_back(worker.tracer.trace(receiver, points, {0, limits.rays}));
@@ -84,6 +86,7 @@ std::vector<TracedRow> trace_neighbours(std::span<const Receiver> receivers, con
     rays.count *= 2;
     rays.noise = float(row_noise(*limits.probing, halves));
   }
+  rays.variance = variance_shares(*limits.probing, worker.emitters, halves, rays.count);
   for (const RowHalves& both : halves) rows.push_back(mean_of(both, worker.mean));
   return rows;
 }
@@ -178,7 +181,7 @@ Result<SystemRows> trace_system(const RowScene& scene, const TracedSystem& syste
   rows.clusters.resize(clusters);
   rows.elements.resize(system.surface.surface.elements.size());
   rows.element_back_face_share.resize(rows.elements.size());
-  rows.element_rays.resize(rows.elements.size(), {limits.rays, 0.0f});
+  rows.element_rays.resize(rows.elements.size(), {limits.rays});
   const auto members = members_of_clusters(system.surface);
   const NodePoints nodes(limits, node_quality);
   Workers workers([&] { return Worker(scene); });

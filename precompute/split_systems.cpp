@@ -122,7 +122,10 @@ class Bisection {
     return sum;
   }
 
-  double systems_of(std::uint64_t lumels) const { return double((lumels + most_lumels_ - 1) / most_lumels_); }
+  double systems_of(std::uint64_t lumels) const {
+    const std::uint64_t systems = (lumels + most_lumels_ - 1) / most_lumels_;
+    return double(systems);
+  }
 
   Candidate best_cut(const std::vector<std::uint32_t>& order) {
     for (const auto c : order) side_[c] = Side::upper;

@@ -383,7 +383,7 @@ Result<std::vector<Rgb>> FrameSession::read_irradiance() {
 }
 
 Result<std::vector<Rgb>> FrameSession::read_gather_direct() {
-  return state_->read([this](const SystemPasses& of) {
+  return state_->read([](const SystemPasses& of) {
     return std::pair(of.light.gather_light(), std::size_t{of.light.gather_row_count()});
   });
 }

@@ -217,7 +217,10 @@ Result<void> check_estimates(const SystemPlace& at) {
                         system.lumels.size(), system.cut_errors.size());
   }
   const bool valid = std::all_of(system.rays.begin(), system.rays.end(),
-                                 [&](const ClusterRays& r) { return estimate(r.noise); }) &&
+                                 [&](const ClusterRays& r) {
+                                   return estimate(r.noise) && estimate(r.variance.surfaces) &&
+                                          estimate(r.variance.emitters);
+                                 }) &&
                      std::all_of(system.cut_errors.begin(), system.cut_errors.end(), estimate);
   if (valid) return {};
   return broken_model("system {}: expected finite estimates of noise and error, not below 0", at.index);

@@ -174,14 +174,23 @@ struct SpannedPart {
 };
 static_assert(sizeof(SpannedPart) == 12);
 
+/// Variance of the irradiance of a row, in that of as many independent rays: below 1 where rays avoid each
+/// other, or senders are also sampled over their area. 1 where nobody measured it.
+struct VarianceShares {
+  float surfaces = 1.0f;  ///< of light from the sky and from surfaces that are no possible emitters
+  float emitters = 1.0f;
+  friend bool operator==(const VarianceShares&, const VarianceShares&) = default;
+};
+
 /// How the rows of a cluster and its lumels came to be. Stored.
 struct ClusterRays {
   std::uint32_t count = 0;  ///< of each lumel
   float noise = 0.0f;       ///< estimate: of a lumel's irradiance, relative to its room's root mean square,
                             ///< whatever the lights; 0 where nobody asked
+  VarianceShares variance{};
   friend bool operator==(const ClusterRays&, const ClusterRays&) = default;
 };
-static_assert(sizeof(ClusterRays) == 8);
+static_assert(sizeof(ClusterRays) == 16);
 
 /// A group of geometry that is precomputed, stored, loaded and updated as one.
 struct System {

@@ -119,9 +119,8 @@ Thumbnail look_through(const ViewedScene& scene, const Camera& camera, double di
   for (int first = 0; first < Thumbnail::kPixels; first += kPacketSize) {
     ViewRays rays;
     for (int lane = 0; lane < kPacketSize; ++lane) {
-      const int pixel = first + lane;
-      rays[lane] =
-          frame.ray({(pixel % kThumbWidth + 0.5) / kThumbWidth, (pixel / kThumbWidth + 0.5) / kThumbHeight});
+      const int column = (first + lane) % kThumbWidth, row = (first + lane) / kThumbWidth;
+      rays[lane] = frame.ray({(column + 0.5) / kThumbWidth, (row + 0.5) / kThumbHeight});
     }
     for (const ViewHit& hit : trace(scene.model, scene.caster, rays)) {
       if (hit.met) add_pixel(scene, hit, diagonal, dark, thumbnail);

@@ -91,8 +91,11 @@ void Console::fail(const Error& error) {
   end_progress();
   fmt::print(stderr, "relume: {}\n", error.message);
   if (!mode_.json) return;
-  fmt::print(stdout, "{}\n",
-             to_json_text({{"error", error.message}, {"exit", static_cast<int>(error.code)}}));
+  fmt::print(stdout, "{}", error_text(error));
+}
+
+std::string error_text(const Error& error) {
+  return to_json_text({{"error", error.message}, {"exit", static_cast<int>(error.code)}}) + "\n";
 }
 
 }  // namespace relume

@@ -61,4 +61,7 @@ class Console {
   std::vector<std::string> warnings_;
 };
 
+/// What `fail` prints on standard output with --json.
+std::string error_text(const Error& error);
+
 }  // namespace relume

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <unistd.h>
+
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -24,6 +26,15 @@ int fail_with(Console& console, const Error& error) {
   return static_cast<int>(error.code);
 }
 
+/// Of a program that is cut off: as if it had ended with the error `cancelled`; watching just ends.
+LastWords last_words(const ParsedArguments& arguments) {
+  if (std::holds_alternative<WatchArguments>(arguments.command)) return {};
+  const Error error{ErrorCode::cancelled, kStoppedSentence};
+  const std::string clear_line = isatty(STDERR_FILENO) != 0 ? "\r\x1b[K" : "";
+  return {arguments.mode.json ? error_text(error) : "", clear_line + "relume: " + error.message + "\n",
+          static_cast<int>(error.code)};
+}
+
 int run_program(int count, const char* const* values) {
   const auto parsed = parse_arguments(count, values);
   if (!parsed) {
@@ -36,8 +47,9 @@ int run_program(int count, const char* const* values) {
   }
   const auto& arguments = std::get<ParsedArguments>(*parsed);
   Console console(arguments.mode);
-  watch_interrupts();
+  watch_interrupts(last_words(arguments));
   const Result<int> status = run_guarded(arguments.command, console);
+  let_finish();
   return status ? *status : fail_with(console, status.error());
 }
 

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/light_patches.h"
@@ -33,15 +35,32 @@ double worst_precision(const Model& model) {
   return worst;
 }
 
-Result<double> light_error(const Model& model, const LightingSetup& setup, const SolveOutcome& outcome) {
+Result<double> light_error(const Model& model, const ReferenceMatrices& matrices, const LightingSetup& setup,
+                           const SolveOutcome& outcome) {
   const auto direct = direct_irradiance(model, setup.lights, 0, kPatchesPerElement / 4.0);
   if (!direct) return tl::unexpected(direct.error());
   Lighting lighting = setup.lighting;
   lighting.direct = direct->clusters;
-  const ReferenceMatrices matrices = reference_matrices(model);
   const auto solution = solve_reference(matrices.bounce, lighting, {outcome.solution.bounces + 1, 1e-5});
   if (!solution) return tl::unexpected(solution.error());
   return relative_difference(gather(matrices.gather, lighting, solution->radiosity), outcome.gathered);
+}
+
+/// Of the rays, for the lights that shine, over valid lumels.
+std::optional<double> ray_error(const Model& model, const SolveOutcome& outcome, const RayNoise& noise) {
+  double squares = 0.0, total = 0.0;
+  const auto first_row = gather_offsets(model);
+  for (std::size_t s = 0; s < model.systems.size(); ++s) {
+    const std::vector<Lumel>& lumels = model.systems[s].lumels;
+    for (std::size_t l = 0; l < lumels.size(); ++l) {
+      if ((lumels[l].flags & kLumelInvalid) != 0) continue;
+      const Rgb &error = noise.irradiance[first_row[s] + l], &value = outcome.gathered[first_row[s] + l];
+      squares += glm::dot(error, error);
+      total += glm::dot(value, value);
+    }
+  }
+  if (total <= 0.0) return {};
+  return std::sqrt(squares / total);
 }
 
 std::string percent(const std::optional<double>& share) {
@@ -57,31 +76,42 @@ JsonValue number_or_null(const std::optional<double>& share) {
 Result<NamedErrors> name_errors(const Model& model, const LightingSetup& setup, const SolveOutcome& outcome) {
   NamedErrors errors;
   errors.clusters = estimated(model, "clusters");
-  errors.rays = estimated(model, "rays");
   errors.cut = estimated(model, "cut");
   errors.precision = worst_precision(model);
   errors.iteration = outcome.solution.error_bound;
+  const ReferenceMatrices matrices = reference_matrices(model);
+  errors.noise = ray_noise(model, matrices, setup.lighting, outcome.solution.radiosity);
+  if (errors.noise) errors.rays = ray_error(model, outcome, *errors.noise);
   if (setup.lights.empty()) return errors;
-  const auto light = light_error(model, setup, outcome);
+  const auto light = light_error(model, matrices, setup, outcome);
   if (!light) return tl::unexpected(light.error());
   errors.light = *light;
   return errors;
 }
 
 std::string errors_sentence(const NamedErrors& errors) {
+  const bool estimated = errors.clusters.has_value();
   return fmt::format(
-      "errors by cause: cluster size {}, rays {}, cut {} ({}), stored values {:.2g} %, light {}, iteration "
+      "errors by cause: cluster size {}, cut {} ({}), rays {} ({}), stored values {:.2g} %, light {}, "
+      "iteration "
       "{:.2g} %",
-      percent(errors.clusters), percent(errors.rays), percent(errors.cut),
-      errors.clusters ? "as the precompute estimates, whatever the lights"
-                      : "estimated by a precompute with --error",
+      percent(errors.clusters), percent(errors.cut),
+      estimated ? "as the precompute estimates, whatever the lights"
+                : "estimated by a precompute with --error",
+      percent(errors.rays),
+      errors.noise && errors.noise->measured ? "standard error for these lights"
+                                             : "as independent rays would err; these are better",
       100.0 * errors.precision, errors.light ? percent(errors.light) : "none", 100.0 * errors.iteration);
 }
 
 JsonValue errors_json(const NamedErrors& errors) {
-  return JsonObject{{"clusters", number_or_null(errors.clusters)}, {"rays", number_or_null(errors.rays)},
-                    {"cut", number_or_null(errors.cut)},           {"precision", errors.precision},
-                    {"light", number_or_null(errors.light)},       {"iteration", errors.iteration}};
+  return JsonObject{{"clusters", number_or_null(errors.clusters)},
+                    {"rays", number_or_null(errors.rays)},
+                    {"rays_measured", errors.noise && errors.noise->measured},
+                    {"cut", number_or_null(errors.cut)},
+                    {"precision", errors.precision},
+                    {"light", number_or_null(errors.light)},
+                    {"iteration", errors.iteration}};
 }
 
 }  // namespace relume

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "core/ray_noise.h"
 #include "tool/lighting_setup.h"
 #include "tool/solver.h"
 
@@ -14,8 +15,10 @@ namespace relume {
 
 struct NamedErrors {
   /// Estimated by the precompute for lights that it had not seen; absent where it had no error target.
-  std::optional<double> clusters, rays, cut;
-  double precision = 0.0;       ///< of stored values, at most, at an albedo of 0.8
+  std::optional<double> clusters, cut;
+  std::optional<double> rays;     ///< of `noise`; absent without light
+  std::optional<RayNoise> noise;  ///< standard errors for the lights that shine
+  double precision = 0.0;         ///< of stored values, at most, at an albedo of 0.8
   std::optional<double> light;  ///< what a quarter of the shadow samples would change; absent without lights
   double iteration = 0.0;       ///< bound, relative to the largest radiosity
 };

@@ -40,6 +40,7 @@ Result<void> OutputFolder::add(const std::string& name, Result<std::vector<std::
 
 Result<void> OutputFolder::write() const {
   if (const Result<void> go_on = check_interrupted(); !go_on) return go_on;
+  let_finish();
   for (const File& file : files_) {
     if (const Result<void> made = make_folder(file.path.parent_path()); !made) return made;
     if (const Result<void> written = write_file(file.path, file.bytes); !written) return written;

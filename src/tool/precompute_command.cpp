@@ -225,6 +225,7 @@ Result<PrecomputedFile> precompute_to_file(const PrecomputeArguments& arguments,
   for (const std::string& warning : file.report.warnings) console.warn(warning);
   if (const Result<void> still = check_interrupted(); !still) return tl::unexpected(still.error());
   if (go_on && !go_on()) return fail(ErrorCode::cancelled, "stopped before the file was written");
+  let_finish();
   if (const Result<void> written = write_model(*model, arguments.output); !written)
     return tl::unexpected(written.error());
   if (input->options.keep_rows) {

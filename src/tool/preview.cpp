@@ -32,8 +32,9 @@ Rgb seen_radiance(const ViewedScene& scene, const ViewRay& ray, const ViewHit& h
 glm::dvec2 place_of(std::size_t sample, const PictureSize& size) {
   const std::size_t pixel = sample / kSamples;
   const std::size_t inside = sample % kSamples;
+  const std::size_t row = pixel / size.width, row_inside = inside / kGrid;
   const double x = double(pixel % size.width) + (double(inside % kGrid) + 0.5) / kGrid;
-  const double y = double(pixel / size.width) + (double(inside / kGrid) + 0.5) / kGrid;
+  const double y = double(row) + (double(row_inside) + 0.5) / kGrid;
   return {x / size.width, y / size.height};
 }
 

@@ -37,6 +37,11 @@ std::string bound_cells(const Bracket* bracket, std::size_t row) {
   return fmt::format(",{},{}", cells(bracket->low[row]), cells(bracket->high[row]));
 }
 
+std::string noise_cells(const std::vector<Rgb>* noise, std::size_t row) {
+  if (!noise) return "";
+  return fmt::format(",{}", cells((*noise)[row]));
+}
+
 JsonObject chart_json(const Model& model, const System& system, const LightmapChart& chart) {
   const glm::vec2 size(system.lightmap_width, system.lightmap_height);
   const glm::vec2 scale = chart.scale / size;
@@ -52,19 +57,20 @@ JsonObject chart_json(const Model& model, const System& system, const LightmapCh
 }  // namespace
 
 std::string clusters_csv(const Model& model, const Lighting& lighting, std::span<const Rgb> radiosity,
-                         const Bracket* bracket) {
+                         const Bracket* bracket, const std::vector<Rgb>* noise) {
   std::string text =
       "id,system,px,py,pz,nx,ny,nz,area,albedo_r,albedo_g,albedo_b,exitance_r,exitance_g,exitance_b,"
       "direct_r,direct_g,direct_b,radiosity_r,radiosity_g,radiosity_b" +
-      bound_names("radiosity", bracket) + "\n";
+      bound_names("radiosity", bracket) +
+      (noise ? ",radiosity_noise_r,radiosity_noise_g,radiosity_noise_b" : "") + "\n";
   std::size_t id = 0;
   for (const System& system : model.systems) {
     const std::string name = csv_cell(system.name);
     for (const Cluster& cluster : system.clusters) {
-      fmt::format_to(std::back_inserter(text), "{},{},{},{},{:.9g},{},{},{},{}{}\n", id, name,
+      fmt::format_to(std::back_inserter(text), "{},{},{},{},{:.9g},{},{},{},{}{}{}\n", id, name,
                      cells(model.origin + glm::dvec3(cluster.centroid)), cells(cluster.normal), cluster.area,
                      cells(lighting.albedo[id]), cells(lighting.exitance[id]), cells(lighting.direct[id]),
-                     cells(radiosity[id]), bound_cells(bracket, id));
+                     cells(radiosity[id]), bound_cells(bracket, id), noise_cells(noise, id));
       ++id;
     }
   }

@@ -18,9 +18,9 @@ namespace relume {
 
 /// Header id,system,px,py,pz,nx,ny,nz,area, then albedo_, exitance_, direct_ and radiosity_ each with r, g,
 /// b. One line per cluster, numbered through; world space, m2, lm/m2. With `bracket` (null: without) also
-/// radiosity_low_ and radiosity_high_.
+/// radiosity_low_ and radiosity_high_; with `noise`, its standard error by rays, radiosity_noise_.
 std::string clusters_csv(const Model& model, const Lighting& lighting, std::span<const Rgb> radiosity,
-                         const Bracket* bracket);
+                         const Bracket* bracket, const std::vector<Rgb>* noise);
 
 /// Header id,px,py,pz,nx,ny,nz,direct_r,direct_g,direct_b,indirect_r,indirect_g,indirect_b: lux, in the order
 /// of the sensors' own file. Direct is what arrives from punctual lights unreflected, indirect all that

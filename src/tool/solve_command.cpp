@@ -127,8 +127,10 @@ Result<int> run(const SolveArguments& arguments, Console& console) {
   const double bounds_seconds = watch.lap();
 
   OutputFolder folder(arguments.output);
-  const auto made = make_solve_outputs(*model, *setup, *outcome, bounds ? &bounds->bracket : nullptr,
-                                       arguments.ktx2, folder, console);
+  const std::optional<NamedErrors>& errors = assurance->errors;
+  const ToldErrors told{bounds ? &bounds->bracket : nullptr,
+                        errors && errors->noise ? &*errors->noise : nullptr};
+  const auto made = make_solve_outputs(*model, *setup, *outcome, told, arguments.ktx2, folder, console);
   if (!made) return tl::unexpected(made.error());
   if (const Result<void> written = folder.write(); !written) return tl::unexpected(written.error());
 
@@ -142,7 +144,7 @@ Result<int> run(const SolveArguments& arguments, Console& console) {
   say_assurance(arguments, *assurance, console);
   say_result(arguments, *outcome, folder, total_seconds, console);
   JsonObject result = result_json(*setup, direct_by, *outcome, std::move(seconds), *missing, folder);
-  if (assurance->errors) result.emplace_back("errors", errors_json(*assurance->errors));
+  if (errors) result.emplace_back("errors", errors_json(*errors));
   if (bounds) result.emplace_back("bounds", bounds_json(*bounds));
   if (assurance->certificate) result.emplace_back("certificate", certificate_json(*assurance->certificate));
   console.finish(std::move(result));

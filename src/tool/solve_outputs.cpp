@@ -96,6 +96,19 @@ Result<void> add_bounds(const Model& model, std::span<const Rgb> indirect, const
   return {};
 }
 
+/// Standard errors of the indirect irradiance.
+Result<void> add_noise(const Model& model, std::span<const Rgb> noise, OutputFolder& folder,
+                       Console& console) {
+  const std::vector<std::string> names = system_file_names(model);
+  for (std::size_t s = 0; s < model.systems.size(); ++s) {
+    if (model.systems[s].lightmap_width == 0) continue;
+    const auto added = add_lightmap(model.systems[s], lumels_of(model, s, noise),
+                                    "lightmaps/" + names[s] + ".noise", {}, folder, console);
+    if (!added) return added;
+  }
+  return {};
+}
+
 Result<void> add_probes(const Model& model, std::span<const ProbeCoefficients> coefficients,
                         OutputFolder& folder) {
   if (coefficients.empty()) return {};
@@ -146,20 +159,25 @@ Result<void> add_pictures(const Model& model, const LightingSetup& setup, const 
 }  // namespace
 
 Result<void> make_solve_outputs(const Model& model, const LightingSetup& setup, const SolveOutcome& outcome,
-                                const SolutionBracket* bracket, std::optional<LightmapFormat> ktx2,
+                                const ToldErrors& told, std::optional<LightmapFormat> ktx2,
                                 OutputFolder& folder, Console& console) {
   const std::vector<Rgb>& indirect = outcome.gathered;
   const std::vector<Rgb>& direct = setup.gather_direct;
   if (const auto added = add_lightmaps(model, direct, indirect, ktx2, folder, console); !added) return added;
   if (const auto added = add_directional(model, indirect, outcome.moments, ktx2.has_value(), folder); !added)
     return added;
-  if (bracket) {
-    const auto added = add_bounds(model, indirect, bracket->irradiance, folder, console);
+  if (told.bracket) {
+    const auto added = add_bounds(model, indirect, told.bracket->irradiance, folder, console);
     if (!added) return added;
   }
-  const Bracket* radiosity = bracket ? &bracket->radiosity : nullptr;
-  const Bracket* irradiance_bounds = bracket ? &bracket->irradiance : nullptr;
-  folder.add("clusters.csv", clusters_csv(model, setup.lighting, outcome.solution.radiosity, radiosity));
+  if (told.noise) {
+    const auto added = add_noise(model, told.noise->irradiance, folder, console);
+    if (!added) return added;
+  }
+  const Bracket* radiosity = told.bracket ? &told.bracket->radiosity : nullptr;
+  const Bracket* irradiance_bounds = told.bracket ? &told.bracket->irradiance : nullptr;
+  folder.add("clusters.csv", clusters_csv(model, setup.lighting, outcome.solution.radiosity, radiosity,
+                                          told.noise ? &told.noise->radiosity : nullptr));
   folder.add("sensors.csv", sensors_csv(model, direct, indirect, irradiance_bounds));
   if (const auto added = add_probes(model, outcome.probes, folder); !added) return added;
   std::vector<Rgb> irradiance(direct);

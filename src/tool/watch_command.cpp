@@ -57,6 +57,7 @@ Result<int> run(const WatchArguments& arguments, Console& console) {
   PrecomputeArguments next = precompute;
   next.options.keep_rows = true;
   while (files.wait([] { return !interrupted(); })) {
+    allow_cut();
     Stopwatch watch;
     const auto go_on = [&] { return !files.changed_lately(); };
     auto file = precompute_to_file(next, console, go_on);

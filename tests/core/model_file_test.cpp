@@ -263,7 +263,7 @@ TEST(ModelFile, WhateverPassesTheChecksIsSafeToUse) {
   const std::array<std::uint32_t, 8> extremes{0u,          1u,          2u,          0x7fffffffu,
                                               0xffffffffu, 0x7f800000u, 0x3f800000u, 0x80000000u};
   int accepted = 0;
-  for (int trial = 0; trial < 20000; ++trial) {
+  for (int trial = 0; trial < 5000; ++trial) {
     std::uint64_t target = random() % 40;
     const auto read = rewritten([&](SectionWriter& file, const std::string& id, std::uint32_t owner,
                                     std::vector<std::byte>& content) {
@@ -279,8 +279,8 @@ TEST(ModelFile, WhateverPassesTheChecksIsSafeToUse) {
     ASSERT_TRUE(solution) << solution.error().message;
     for (const Rgb& b : solution->radiosity) ASSERT_TRUE(std::isfinite(b.x + b.y + b.z));
   }
-  EXPECT_GT(accepted, 100) << "some replacements are harmless";
-  EXPECT_LT(accepted, 19000) << "most are not, and sections are met";
+  EXPECT_GT(accepted, 50) << "some replacements are harmless";
+  EXPECT_LT(accepted, 4750) << "most are not, and sections are met";
 }
 
 TEST(ModelFile, ReadsWhatWasWritten) {

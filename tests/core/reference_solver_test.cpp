@@ -90,7 +90,7 @@ TEST(ReferenceSolver, UnitCubeWithOneEmittingFace) {
 TEST(ReferenceSolver, FurnaceOfAnyShape) {
   // Random rows that sum to exactly 1 as rays count them.
   std::mt19937_64 random(5);
-  constexpr std::uint32_t kClusters = 40;
+  constexpr std::uint32_t kClusters = 12;
   test::DenseMatrix counts(kClusters, std::vector<double>(kClusters, 0.0));
   for (auto& row : counts) {
     for (int ray = 0; ray < 512; ++ray) row[random() % kClusters] += 1.0 / 512;

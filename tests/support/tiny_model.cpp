@@ -50,7 +50,7 @@ System quad_system(const char* name, std::uint32_t index, float height, float up
   const std::array<glm::vec2, 3> whole{glm::vec2{0, 0}, glm::vec2{1, 0}, glm::vec2{0, 1}};
   system.pieces = {{2 * index, whole}, {2 * index + 1, whole}};
   system.lumels = {{1, 0, 0, kLumelSplit}};
-  system.rays = {{64u << index, 0.25f}};
+  system.rays = {{64u << index, 0.25f, {0.5f, 0.125f}}};
   system.cut_errors = {0.75f};
   system.charts = {{index, Side::front, kNone, {2.0f, 1.0f}, {0.0f, 0.0f}}};
   return system;

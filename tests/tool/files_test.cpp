@@ -155,9 +155,12 @@ TEST(Files, SolveWritesWhatItPromises) {
   EXPECT_TRUE(scene->surfaces[0].has_uv1);
 }
 
+/// For a plane of 10 m.
+const std::vector<std::string> kPlaneSizes{"--texel-size", "0.25", "--cluster-size", "1"};
+
 // A lamp of 100 cd, 2 m above the middle of a plane: E = I cos / d2.
 TEST(Files, SensorsUnderALamp) {
-  const Precomputed plane = precomputed("light_plane", {},
+  const Precomputed plane = precomputed("light_plane", kPlaneSizes,
                                         "id,px,py,pz,nx,ny,nz\n"
                                         "under,0,0,0,0,1,0\n"
                                         "aside,1.5,0,0,0,2,0\n"
@@ -184,7 +187,7 @@ TEST(Files, SensorsUnderALamp) {
 
 // Nothing hides the sky from a plane that looks up: I = pi L.
 TEST(Files, SkyOverAPlane) {
-  const Precomputed plane = precomputed("light_plane", {}, "id,px,py,pz,nx,ny,nz\nup,0,0,0,0,1,0\n");
+  const Precomputed plane = precomputed("light_plane", kPlaneSizes, "id,px,py,pz,nx,ny,nz\nup,0,0,0,0,1,0\n");
   solve_json(plane, {"--sky", "1,2,0.5"});
   std::string header;
   const auto rows = read_csv(plane.folder / "result" / "sensors.csv", header);
@@ -197,7 +200,7 @@ TEST(Files, SkyOverAPlane) {
 }
 
 TEST(Files, TheRigIsNamedAndGoesOutWhenSomethingElseShines) {
-  const Precomputed plane = precomputed("light_plane");
+  const Precomputed plane = precomputed("light_plane", kPlaneSizes);
   const Finished lit =
       run_relume({"solve", plane.file, "-o", plane.folder / "result", "--device", "reference", "--json"});
   const auto json = nlohmann::json::parse(lit.out);

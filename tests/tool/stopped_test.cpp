@@ -22,9 +22,10 @@ TEST(Stopped, CtrlCLeavesNothing) {
   const std::string scene = make_scene("demo", folder);
   const std::string file = folder / "demo.relume";
   // Minutes of work: it is still busy when the signal comes.
-  const Finished stopped = run_relume({"precompute", scene, "-o", file, "--quality", "16384"}, {},
+  const Finished stopped = run_relume({"precompute", scene, "-o", file, "--quality", "16384", "--json"}, {},
                                       {SIGINT, std::chrono::seconds(1)});
   EXPECT_EQ(stopped.status, 130) << stopped.err;
+  EXPECT_EQ(nlohmann::json::parse(stopped.out).at("exit"), 130);
   std::vector<std::string> left;
   for (const auto& entry : std::filesystem::directory_iterator(folder))
     left.push_back(entry.path().filename());

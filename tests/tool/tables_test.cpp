@@ -125,15 +125,21 @@ TEST(ResultTables, SensorsComeInTheOrderOfTheirFile) {
   EXPECT_THAT(text, testing::EndsWith(",10,10,10,2,2,2\n"));
 }
 
-TEST(ResultTables, BoundsAreSixMoreColumns) {
+TEST(ResultTables, BoundsAreSixMoreColumnsAndNoiseIsThree) {
   const Model model = tiny_model();
   const Lighting lighting = stored_lighting(model);
   const Bracket clusters{{Rgb(1.0), Rgb(2.0)}, {Rgb(3.0), Rgb(4.0)}};
-  const std::string text = clusters_csv(model, lighting, std::vector<Rgb>(2, Rgb(2.5)), &clusters);
+  const std::string text = clusters_csv(model, lighting, std::vector<Rgb>(2, Rgb(2.5)), &clusters, nullptr);
   EXPECT_THAT(text, testing::HasSubstr("radiosity_b,radiosity_low_r,radiosity_low_g,radiosity_low_b,"
                                        "radiosity_high_r,radiosity_high_g,radiosity_high_b\n0,"));
   EXPECT_THAT(text, testing::HasSubstr(",2.5,2.5,2.5,1,1,1,3,3,3\n1,"));
   EXPECT_THAT(text, testing::EndsWith(",2.5,2.5,2.5,2,2,2,4,4,4\n"));
+  const std::vector<Rgb> noise{Rgb(0.5), Rgb(0.25)};
+  const std::string with_noise =
+      clusters_csv(model, lighting, std::vector<Rgb>(2, Rgb(2.5)), nullptr, &noise);
+  EXPECT_THAT(with_noise,
+              testing::HasSubstr("radiosity_b,radiosity_noise_r,radiosity_noise_g,radiosity_noise_b\n0,"));
+  EXPECT_THAT(with_noise, testing::EndsWith(",2.5,2.5,2.5,0.25,0.25,0.25\n"));
 }
 
 TEST(ResultTables, FileNamesOfSystemsAreSafeAndUnique) {

@@ -105,6 +105,7 @@ std::vector<Rgb> moved(const std::vector<Rgb>& values, const std::vector<std::ui
 TEST(RowCertificate, IsHardlyMoreThanTheCutCosts) {
   const Scene scene = two_rooms();
   PrecomputeOptions options = coarse();
+  options.cluster_size = 0.5, options.texel_size = 0.25;
   const Model full = precompute_or_throw(scene, options);
   options.budget = 64, options.codec = ValueCodec::sqrt8;
   const Model cut = precompute_or_throw(scene, options);

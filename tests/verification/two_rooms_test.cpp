@@ -77,7 +77,7 @@ class TwoRooms : public testing::Test {
     const GatheredIrradiance gathered = solve_and_gather(model_, light(model_, scene, {lights, {}}));
     const auto direct = at_sensors(model_, gathered.direct), indirect = at_sensors(model_, gathered.indirect);
     const PathTracer tracer(scene, lights);
-    const auto estimates = tracer.indirect(points_, {16, 576, 1});
+    const auto estimates = tracer.indirect(points_, {16, 256, 1});
     std::vector<Rgb> expected, expected_total, total;
     for (std::size_t i = 0; i < points_.size(); ++i) {
       expected.push_back(estimates[i].mean);

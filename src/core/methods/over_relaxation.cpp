@@ -69,7 +69,7 @@ Result<Solution> solve_by_over_relaxation(const BounceProblem& problem, const Rg
                                           const StopRule& rule, const BounceObserver& observer) {
   CertifiedSolve solve(problem, rule, observer);
   LiveSenders senders(*problem.matrix);
-  const auto iterate = [&](std::vector<Rgb> x) {
+  const auto iterate = [&](const std::vector<Rgb>& x) {
     StallWatch watch;
     senders.set(*problem.matrix, solve.bounce(x));  // so that there is an answer to fall back on
     while (solve.products_left() > 1) {

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+//
+// The promises of `solve --bounds` and `solve --certify` on whole scenes: the answer of the full rows of the
+// same rays lies inside the bracket at every lumel, and the certificate is not much more than the error.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+
+#include "benchmarks.h"
+#include "core/bracket.h"
+#include "core/row_certificate.h"
+#include "core/same_surfaces.h"
+#include "measure/converged_answer.h"
+#include "measure/statistics.h"
+#include "measure/test_lights.h"
+
+namespace relume::bench {
+namespace {
+
+constexpr const char* kName = "bounds";
+constexpr std::size_t kSensors = 16;  // of the test lights; rows of theirs are compared as well
+/// What storing full rows in f32, and iterating, may be off by: of the value, and of the largest.
+constexpr double kOfValue = 1e-5, kOfLargest = 1e-6;
+
+struct Answer {
+  Lighting lighting;
+  std::vector<Rgb> radiosity, irradiance;
+};
+
+Result<Answer> answer_of(const Model& model, const ReferenceMatrices& matrices, const TestLight& light,
+                         double tolerance) {
+  auto lighting = test_lighting(model, light);
+  if (!lighting) return tl::unexpected(lighting.error());
+  const auto solution = solve_reference(matrices.bounce, *lighting, {10000, tolerance});
+  if (!solution) return tl::unexpected(solution.error());
+  auto irradiance = gather(matrices.gather, *lighting, solution->radiosity);
+  return Answer{std::move(*lighting), solution->radiosity, std::move(irradiance)};
+}
+
+/// Values of one model in the order of the other.
+std::vector<Rgb> moved(const std::vector<Rgb>& values, const std::vector<std::uint32_t>& at) {
+  std::vector<Rgb> out(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) out[at[i]] = values[i];
+  return out;
+}
+
+/// Of one light.
+struct Promises {
+  double outside = 0.0;      ///< share of rows that leave the bracket
+  double width = 0.0;        ///< median of (high - low) / value
+  double certificate = 0.0;  ///< over the true error, root mean square
+  double off = 0.0;          ///< that error, relative to the answer
+};
+
+double outside_share(const Bracket& bracket, const std::vector<Rgb>& exact) {
+  double largest = 0.0;
+  for (const Rgb& value : exact) largest = std::max({largest, value.x, value.y, value.z});
+  std::size_t outside = 0;
+  for (std::size_t row = 0; row < exact.size(); ++row) {
+    bool inside = true;
+    for (int channel = 0; channel < 3; ++channel) {
+      const double value = exact[row][channel], slack = kOfValue * value + kOfLargest * largest;
+      inside =
+          inside && value >= bracket.low[row][channel] - slack && value <= bracket.high[row][channel] + slack;
+    }
+    if (!inside) ++outside;
+  }
+  return double(outside) / double(exact.size());
+}
+
+/// Two models of the same rays, and their matrices.
+struct Pair {
+  const Model &cut, &full;
+  ReferenceMatrices cut_matrices, cut_slack, full_matrices;
+  SameSurfaces same;  ///< numbers of the full one per cluster and row of the cut one
+};
+
+Result<Promises> keep(const Pair& pair, const TestLight& light) {
+  const auto cut = answer_of(pair.cut, pair.cut_matrices, light, 1e-5);
+  if (!cut) return tl::unexpected(cut.error());
+  const auto full = answer_of(pair.full, pair.full_matrices, light, 1e-9);
+  if (!full) return tl::unexpected(full.error());
+  const auto bracket = bracket_solution(pair.cut_matrices, pair.cut_slack, cut->lighting, cut->radiosity);
+  if (!bracket) return tl::unexpected(bracket.error());
+  const std::vector<Rgb> answer = moved(cut->irradiance, pair.same.gather_rows);
+  const auto certificate =
+      certify_against(pair.full_matrices, full->lighting, moved(cut->radiosity, pair.same.clusters), answer);
+  if (!certificate) return tl::unexpected(certificate.error());
+  std::vector<Rgb> exact;
+  for (const std::uint32_t row : pair.same.gather_rows) exact.push_back(full->irradiance[row]);
+  Promises found;
+  found.outside = outside_share(bracket->irradiance, exact);
+  found.width = median(relative_widths(bracket->irradiance, cut->irradiance));
+  found.off = relative_difference(answer, full->irradiance);
+  std::vector<Rgb> certified = full->irradiance;
+  for (std::size_t row = 0; row < certified.size(); ++row) certified[row] += certificate->irradiance[row];
+  found.certificate = relative_difference(certified, full->irradiance) / found.off;
+  return found;
+}
+
+Result<Pair> pair_up(const Model& cut, const Model& full) {
+  auto same = same_surfaces(full, cut);
+  if (!same) return tl::unexpected(same.error());
+  return Pair{
+      cut, full, reference_matrices(cut), reference_slack(cut), reference_matrices(full), std::move(*same)};
+}
+
+}  // namespace
+
+Measurements bounds(const BenchmarkOptions& options) {
+  auto scene = benchmark_scene(options);
+  if (!scene) return tl::unexpected(scene.error());
+  const auto test = test_scene(std::move(*scene), kSensors);
+  if (!test) return tl::unexpected(test.error());
+  PrecomputeOptions chosen;
+  chosen.error = options.error;
+  chosen.texel_size = precompute_options(options, test->scene).texel_size;
+  chosen.sensors = test->sensors;
+  PrecomputeReport report;
+  const auto cut = precompute(test->scene, chosen, report);
+  if (!cut) return tl::unexpected(cut.error());
+  chosen.budget = 65535, chosen.codec = ValueCodec::f32;
+  const auto full = precompute(test->scene, chosen, report);
+  if (!full) return tl::unexpected(full.error());
+  const auto pair = pair_up(*cut, *full);
+  if (!pair) return tl::unexpected(pair.error());
+  std::vector<Measurement> result;
+  for (const TestLight& light : test->lights) {
+    const auto found = keep(*pair, light);
+    if (!found) return tl::unexpected(found.error());
+    if (found->outside > 0.0) {
+      return fail(ErrorCode::check_failed, fmt::format("{}: {:.3g} % of the rows lie outside of the bracket",
+                                                       light.name, 100.0 * found->outside));
+    }
+    result.push_back({kName, light.name + ": median width", "", {found->width}});
+    result.push_back({kName, light.name + ": error", "", {found->off}});
+    result.push_back({kName, light.name + ": certificate over error", "", {found->certificate}});
+  }
+  return result;
+}
+
+}  // namespace relume::bench
