@@ -11,6 +11,8 @@
 namespace relume {
 namespace {
 
+constexpr float kFar = std::numeric_limits<float>::max();
+
 void choose_lanes(std::uint32_t lanes, RayPacket& packet) {
   for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
     if ((lanes >> lane & 1u) == 0) packet.far[lane] = -1.0f;
@@ -93,6 +95,28 @@ void KeptRays::translate(const Surfaces& surfaces, const RayCaster& caster, cons
   }
 }
 
+KeptSenders KeptRays::senders(const SenderLookup& lookup, const Emitters& emitters) const {
+  KeptSenders kept{lookup.numbering(), std::vector<KeptSenders::Met>(old_.element_keys.size()), {}};
+  std::vector<Box> boxes;
+  const auto for_each_kept = [&](auto&& visit) {
+    for (std::uint32_t e = 0; e < old_elements_.size(); ++e) {
+      if (old_elements_[e] != kNone) visit(e, lookup.sender_of(e));
+    }
+  };
+  for_each_kept([&](std::uint32_t e, std::uint32_t sender) {
+    if (!emitters.contain(sender)) kept.met[old_elements_[e]] = {codes_.element(e), sender};
+    const Box own{balls_[e].middle - balls_[e].radius, balls_[e].middle + balls_[e].radius};
+    if (sender >= boxes.size()) boxes.resize(sender + 1, {glm::vec3(kFar), glm::vec3(-kFar)});
+    boxes[sender] = join(boxes[sender], own);
+  });
+  for (const Box& box : boxes) kept.balls.push_back({0.5f * (box.lower + box.upper), 0.0f});
+  for_each_kept([&](std::uint32_t e, std::uint32_t sender) {
+    Ball& ball = kept.balls[sender];
+    ball.radius = std::max(ball.radius, glm::length(balls_[e].middle - ball.middle) + balls_[e].radius);
+  });
+  return kept;
+}
+
 void KeptRays::index_receivers() {
   std::uint64_t codes = 0, samples = 0, hits = 0;
   for (const ReceiverRecord& receiver : old_.receivers) {
@@ -115,12 +139,6 @@ std::optional<OldRays> KeptRays::find(std::uint64_t identity) const {
                  old_.emitter_hits.subspan(first_hit_[i], found->emitter_hits)};
 }
 
-std::uint32_t KeptRays::code(const OldRays& rays, std::uint32_t ray) const {
-  if (ray >= rays.rays) return RayCodes::kUnknown;
-  const std::uint32_t old = load_code(rays.codes, old_codes_.width(), ray);
-  return old < new_codes_.size() ? new_codes_[old] : RayCodes::kUnknown;
-}
-
 SampleState KeptRays::sample(const OldRays& rays, std::uint32_t sample) const {
   if (sample >= rays.sample_count) return SampleState::unknown;
   const unsigned four = std::to_integer<unsigned>(rays.samples[sample / kSamplesPerByte]);
@@ -136,8 +154,7 @@ bool KeptRays::was_whole(std::uint32_t element) const {
          !change_.disturbed(ball.middle, kReach * ball.radius);
 }
 
-bool KeptRays::stands_clear(const glm::vec3& from, float reach, std::uint32_t element) const {
-  const Ball& ball = balls_[element];
+bool KeptRays::stands_clear(const glm::vec3& from, float reach, const Ball& ball) const {
   const glm::vec3 way = ball.middle - from, to = added_ball_.middle - from;
   const float along = std::clamp(glm::dot(to, way) / std::max(glm::dot(way, way), 1e-30f), 0.0f, 1.0f);
   const glm::vec3 aside = to - along * way;

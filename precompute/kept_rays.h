@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "precompute/emitters.h"
 #include "precompute/ray_caster.h"
 #include "precompute/rows_file.h"
 #include "precompute/scene_change.h"
@@ -22,6 +23,23 @@ struct OldRays {
   const std::byte* samples = nullptr;
   std::uint32_t sample_count = 0;
   std::span<const EmitterHit> emitter_hits;
+};
+
+struct Ball {
+  glm::vec3 middle{0.0f};
+  float radius = 0.0f;
+};
+
+/// What rays of an earlier precompute see among senders of this one.
+struct KeptSenders {
+  struct Met {
+    std::uint32_t code = RayCodes::kUnknown;  ///< of the element in this scene
+    std::uint32_t sender = 0;
+  };
+  std::uint32_t numbering = 0;  ///< SenderLookup::numbering of these senders
+  /// Per element of the old scene; unknown when it is gone or changed, or belongs to a possible emitter.
+  std::vector<Met> met;
+  std::vector<Ball> balls;  ///< per sender that is a cluster: they hold all of it
 };
 
 /// The rays of an earlier precompute in a scene that has changed since. A ray still meets what it met when
@@ -40,15 +58,29 @@ class KeptRays {
 
   /// Of a receiver with this identity.
   std::optional<OldRays> find(std::uint64_t identity) const;
-  /// What the ray met, in the codes of this scene; kUnknown when that is gone or changed.
-  std::uint32_t code(const OldRays& rays, std::uint32_t ray) const;
+  /// What the ray met, in the codes of the old scene; kUnknown when nobody traced it.
+  std::uint32_t old_code(const OldRays& rays, std::uint32_t ray) const {
+    return ray < rays.rays ? load_code(rays.codes, old_codes_.width(), ray) : RayCodes::kUnknown;
+  }
+  std::uint32_t old_first_element() const { return old_codes_.first_element(); }
+  /// The same in the codes of this scene; kUnknown when it is gone or changed.
+  std::uint32_t translated(std::uint32_t old_code) const {
+    return old_code < new_codes_.size() ? new_codes_[old_code] : RayCodes::kUnknown;
+  }
+  std::uint32_t code(const OldRays& rays, std::uint32_t ray) const { return translated(old_code(rays, ray)); }
   SampleState sample(const OldRays& rays, std::uint32_t sample) const;
+  /// With the senders that elements belong to now.
+  KeptSenders senders(const SenderLookup& lookup, const Emitters& emitters) const;
 
   /// Whether all light patches of an element of this scene belonged to it, and nothing there has changed.
   bool was_whole(std::uint32_t element) const;
   /// Whether nothing that was added lies between the points within `reach` of a place and those of an
   /// element.
-  bool stands_clear(const glm::vec3& from, float reach, std::uint32_t element) const;
+  bool stands_clear(const glm::vec3& from, float reach, std::uint32_t element) const {
+    return stands_clear(from, reach, balls_[element]);
+  }
+  /// The same of all that a ball holds.
+  bool stands_clear(const glm::vec3& from, float reach, const Ball& ball) const;
   /// Of the lanes of a packet that `lanes` says, and that met what `codes` say: those that something new may
   /// stand before.
   std::uint32_t blocked(const RayPacket& packet, std::uint32_t lanes,
@@ -59,11 +91,6 @@ class KeptRays {
   std::uint32_t freed(const RayPacket& packet, std::uint32_t lanes) const;
 
  private:
-  struct Ball {
-    glm::vec3 middle{0.0f};
-    float radius = 0.0f;
-  };
-
   explicit KeptRays(const SceneChange& change) : change_(change), old_(change.old()) {}
   void find_balls(const Surfaces& surfaces);
   void translate(const Surfaces& surfaces, const RayCaster& caster, const SenderLookup& lookup,

@@ -115,7 +115,10 @@ struct Preparation {
       : emitters(possible_emitters(scene, surfaces)),
         rows{surfaces.geometry, caster, lookup, emitters, surfaces.cluster_count(),
              kSkyResolution,    {},     seed,   false,    memory} {
-    if (memory != nullptr) memory->emitters = emitters_key(emitters);
+    if (memory != nullptr) {
+      memory->emitters = emitters_key(emitters);
+      follow_senders(lookup, emitters, *memory);
+    }
     rows.sky_senders.resize(6 * kSkyResolution * kSkyResolution);
     std::iota(rows.sky_senders.begin(), rows.sky_senders.end(), surfaces.cluster_count());
   }

@@ -14,9 +14,19 @@ bool before(const EmitterHit& hit, std::uint32_t ray) {
 
 }  // namespace
 
+void follow_senders(const SenderLookup& lookup, const Emitters& emitters, RayMemory& memory) {
+  if (memory.kept != nullptr) memory.senders = memory.kept->senders(lookup, emitters);
+}
+
+RayRecall::RayRecall(RayMemory& memory, const Emitters& emitters, const SenderLookup& lookup)
+    : memory_(memory), emitters_(emitters), lookup_(lookup) {
+  clear_senders_.resize(memory.senders.balls.size(), 0);
+}
+
 void RayRecall::open_record(std::uint64_t identity, std::uint32_t rays, std::uint32_t samples) {
   known_ = &memory_.record->of(identity);
   lock_ = std::unique_lock(known_->in_use);
+  blank_ = known_->rays == 0;
   if (known_->rays < rays) {
     known_->rays = rays;
     known_->codes.resize(std::size_t{rays} * memory_.codes.width() + kCodePadding, std::byte{0});
@@ -31,6 +41,7 @@ void RayRecall::begin(std::uint64_t identity, const Receiver& receiver, std::uin
                       std::uint32_t samples) {
   if (memory_.record) open_record(identity, rays, samples);
   old_.reset();
+  ++receivers_;
   if (memory_.kept == nullptr) return;
   // Whether an origin belongs to a walled receiver depends on what stands around it.
   const bool moved = receiver.walled() &&
@@ -77,9 +88,11 @@ bool RayRecall::tell(std::uint32_t code, std::uint32_t ray, std::span<const Emit
   }
   const std::uint32_t element = code - codes.first_element();
   sight.place[lane] = element;
-  if (!emitters_.contain(lookup_.sender_of(element))) return true;
+  sight.sender[lane] = lookup_.sender_of(element);
+  if (!emitters_.contain(sight.sender[lane])) return true;
   const auto hit = std::lower_bound(hits.begin(), hits.end(), ray, before);
   if (hit == hits.end() || hit->ray != ray) return false;
+  sight.emitters |= 1u << lane;
   sight.distance[lane] = hit->distance, sight.cosine[lane] = hit->cosine;
   return true;
 }
@@ -89,28 +102,55 @@ std::uint32_t RayRecall::known_code(std::uint32_t ray) const {
   return load_code(known_->codes.data(), memory_.codes.width(), ray);
 }
 
-bool RayRecall::know(const RayNumbers& numbers, std::uint32_t asked, PacketSight& sight) {
-  std::array<std::uint32_t, kPacketSize> codes{};
-  std::uint32_t old = 0, shot = 0;
-  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
-    if ((asked >> lane & 1u) == 0) continue;
-    const std::uint32_t ray = numbers[lane];
-    std::uint32_t code = known_code(ray);
-    if (code == RayCodes::kUnknown) {
-      if (!old_) return false;
-      code = memory_.kept->code(*old_, ray);
-      if (code == RayCodes::kUnknown || !stands_clear(code)) return false;
-      old |= 1u << lane;
+/// Of a ray of this run.
+std::uint32_t RayRecall::known_place(std::uint32_t code, std::uint32_t& sender) const {
+  PacketSight sight;
+  if (!tell(code, 0, {}, 0, sight)) return kNotKnown;
+  if (sees_element(sight.place[0])) sender = sight.sender[0];
+  return sight.place[0];
+}
+
+/// Whether nothing new can stand before any of a sender, seen from the receiver.
+bool RayRecall::stands_clear_of(std::uint32_t sender) {
+  std::uint32_t& clear = clear_senders_[sender];
+  if (clear / 2 != receivers_)
+    clear = 2 * receivers_ +
+            (memory_.kept->stands_clear(middle_, reach_, memory_.senders.balls[sender]) ? 1u : 0u);
+  return clear % 2 != 0;
+}
+
+/// Of a ray of the old ones.
+std::uint32_t RayRecall::kept_place(std::uint32_t ray, std::uint32_t& code, std::uint32_t& sender) {
+  const std::uint32_t old_code = memory_.kept->old_code(*old_, ray);
+  const std::uint32_t element = old_code - memory_.kept->old_first_element();  // large for all other codes
+  if (element < memory_.senders.met.size()) {
+    const KeptSenders::Met& met = memory_.senders.met[element];
+    if (met.code == RayCodes::kUnknown) return kNotKnown;
+    code = met.code, sender = met.sender;
+    const bool clear = !faces_changes_ || stands_clear_of(sender) || stands_clear(code);
+    return clear ? code - memory_.codes.first_element() : kNotKnown;
+  }
+  code = memory_.kept->translated(old_code);
+  if (code == RayCodes::kUnknown || !stands_clear(code)) return kNotKnown;
+  return known_place(code, sender);
+}
+
+void RayRecall::know(std::span<const std::uint32_t> numbers, KnownSights& sights) {
+  const bool recorded = known_ != nullptr && !blank_;
+  const bool kept = old_ && memory_.senders.numbering == lookup_.numbering();
+  if (!recorded && !kept) return;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    std::uint32_t code = recorded ? known_code(numbers[i]) : RayCodes::kUnknown;
+    if (code != RayCodes::kUnknown) {
+      sights.place[i] = known_place(code, sights.sender[i]);
+      continue;
     }
-    if (!tell(code, ray, {}, lane, sight)) return false;
-    codes[lane] = code;
-    if (code != RayCodes::kNoRay) shot |= 1u << lane;
+    if (!kept) continue;
+    sights.place[i] = kept_place(numbers[i], code, sights.sender[i]);
+    if (sights.place[i] == kNotKnown) continue;
+    if (known_ != nullptr) book_code(numbers[i], code);
+    kept_rays_ += sights.place[i] != kNoRay ? 1 : 0;
   }
-  for (std::size_t lane = 0; lane < std::size_t(kPacketSize) && known_ != nullptr; ++lane) {
-    if ((old >> lane & 1u) != 0) book_code(numbers[lane], codes[lane]);
-  }
-  kept_rays_ += std::uint64_t(std::popcount(old & shot));
-  return true;
 }
 
 /// Whether nothing new can stand before what the receiver saw, wherever on both the ray began and ended.
@@ -159,7 +199,7 @@ std::uint32_t RayRecall::recall_old(const RayNumbers& numbers, std::uint32_t ask
 }
 
 void RayRecall::book_emitter_hit(std::uint32_t ray, std::size_t lane, const PacketSight& sight) {
-  if (sees_element(sight.place[lane]) && emitters_.contain(lookup_.sender_of(sight.place[lane])))
+  if ((sight.emitters >> lane & 1u) != 0)
     known_->emitter_hits.push_back({ray, sight.distance[lane], sight.cosine[lane]});
 }
 

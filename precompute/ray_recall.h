@@ -5,6 +5,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "precompute/kept_rays.h"
 #include "precompute/ray_record.h"
@@ -18,23 +19,26 @@ struct RayMemory {
   RayCodes codes;
   std::optional<RayRecord> record;  ///< of those of this run, where they are to be kept
   const KeptRays* kept = nullptr;   ///< of an earlier one
+  KeptSenders senders;              ///< of `kept`
   std::uint64_t emitters = 0;  ///< key of the possible emitters (geometry_keys.h) that samples are drawn from
 };
+
+/// Call it whenever senders have new numbers.
+void follow_senders(const SenderLookup& lookup, const Emitters& emitters, RayMemory& memory);
 
 /// One per thread: answers for rays whose answers are known, and books those of others.
 class RayRecall {
  public:
   /// Borrows all of it.
-  RayRecall(RayMemory& memory, const Emitters& emitters, const SenderLookup& lookup)
-      : memory_(memory), emitters_(emitters), lookup_(lookup) {}
+  RayRecall(RayMemory& memory, const Emitters& emitters, const SenderLookup& lookup);
 
   /// From here to end() it is about the rays of one receiver with this identity: `rays` and `samples` at
   /// most.
   void begin(std::uint64_t identity, const Receiver& receiver, std::uint32_t rays, std::uint32_t samples);
   void end();
 
-  /// As RaySight::know.
-  bool know(const RayNumbers& numbers, std::uint32_t asked, PacketSight& sight);
+  /// As RaySight::know; all places are kNotKnown at first.
+  void know(std::span<const std::uint32_t> numbers, KnownSights& sights);
   /// Of the lanes `asked`, with these numbers in the sequence: those that are known, and what they see. Of
   /// the rays of the packet only origins and directions count.
   std::uint32_t recall(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,
@@ -53,6 +57,9 @@ class RayRecall {
   std::uint64_t kept_samples() const { return kept_samples_; }
 
  private:
+  std::uint32_t known_place(std::uint32_t code, std::uint32_t& sender) const;
+  std::uint32_t kept_place(std::uint32_t ray, std::uint32_t& code, std::uint32_t& sender);
+  bool stands_clear_of(std::uint32_t sender);
   bool tell(std::uint32_t code, std::uint32_t ray, std::span<const EmitterHit> hits, std::size_t lane,
             PacketSight& sight) const;
   std::uint32_t recall_old(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,
@@ -70,12 +77,15 @@ class RayRecall {
   const SenderLookup& lookup_;
   KnownRays* known_ = nullptr;  ///< none without a record
   std::unique_lock<std::mutex> lock_;
+  bool blank_ = false;           ///< nothing was in known_
   std::size_t sorted_hits_ = 0;  ///< of known_
   std::optional<OldRays> old_;
-  bool old_samples_ = false;   ///< are of the same emitters
-  bool faces_changes_ = true;  ///< rays may meet what was added
-  glm::vec3 middle_{0.0f};     ///< of the receiver
-  float reach_ = 0.0f;         ///< m, from there to the origins of its rays
+  bool old_samples_ = false;                  ///< are of the same emitters
+  bool faces_changes_ = true;                 ///< rays may meet what was added
+  glm::vec3 middle_{0.0f};                    ///< of the receiver
+  float reach_ = 0.0f;                        ///< m, from there to the origins of its rays
+  std::uint32_t receivers_ = 0;               ///< so many began
+  std::vector<std::uint32_t> clear_senders_;  ///< twice receivers_, when last asked, and 1 for yes
   std::uint64_t kept_rays_ = 0, kept_samples_ = 0;
 };
 

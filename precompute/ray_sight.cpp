@@ -47,15 +47,16 @@ std::uint64_t RaySight::kept_samples() const {
   return recall_ ? recall_->kept_samples() : 0;
 }
 
-bool RaySight::know(const RayNumbers& numbers, std::uint32_t asked, PacketSight& sight) {
-  if (!recall_) return false;
-  sight.place.fill(kNoRay);
-  return recall_->know(numbers, asked, sight);
+void RaySight::know(std::span<const std::uint32_t> numbers, KnownSights& sights) {
+  sights.place.assign(numbers.size(), kNotKnown);
+  sights.sender.resize(numbers.size());
+  if (recall_) recall_->know(numbers, sights);
 }
 
 std::uint32_t RaySight::recall(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,
                                PacketSight& sight) {
   sight.place.fill(kNoRay);
+  sight.emitters = 0;
   return recall_ ? recall_->recall(numbers, asked, rays, sight) : 0;
 }
 
@@ -65,10 +66,7 @@ void RaySight::trace(std::uint32_t lanes, RayPacket& rays, PacketSight& sight) {
   caster_.closest_hits(rays, RaySpread::narrow);
   std::uint32_t doubtful = 0;
   for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
-    if ((lanes >> lane & 1u) == 0) continue;
-    look_up(lane, rays, sight);
-    const std::uint32_t place = sight.place[lane];
-    if (place == kNone || (sees_element(place) && lookup_.near_walls(place))) doubtful |= 1u << lane;
+    if ((lanes >> lane & 1u) != 0 && look_up(lane, rays, sight)) doubtful |= 1u << lane;
   }
   if (doubtful == 0) return;
   const RayPacket::Numbers met = rays.triangle;
@@ -78,18 +76,25 @@ void RaySight::trace(std::uint32_t lanes, RayPacket& rays, PacketSight& sight) {
   }
 }
 
-void RaySight::look_up(std::size_t lane, const RayPacket& rays, PacketSight& sight) const {
+bool RaySight::look_up(std::size_t lane, const RayPacket& rays, PacketSight& sight) const {
   const std::uint32_t triangle = rays.triangle[lane];
   const glm::vec3 direction(rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]);
+  sight.emitters &= ~(1u << lane);
   if (triangle == kNoTriangle) {
     sight.place[lane] = kSky + sky_cell(glm::dvec3(direction), RayCodes::kSkyResolution);
-    return;
+    return false;
   }
   const std::uint32_t place = lookup_.seen(triangle, rays.u[lane], rays.v[lane], direction);
   sight.place[lane] = place;
-  if (place >= SenderLookup::kBlackBack || !emitters_.contain(lookup_.sender_of(place))) return;
-  sight.distance[lane] = rays.far[lane];
-  sight.cosine[lane] = std::abs(glm::dot(direction, geometry_.normals[triangle]));
+  if (place >= SenderLookup::kBlackBack) return place == kNone;
+  const ElementOwner owner = lookup_.owner_of(place);
+  sight.sender[lane] = owner.sender();
+  if (emitters_.contain(owner.sender())) {
+    sight.emitters |= 1u << lane;
+    sight.distance[lane] = rays.far[lane];
+    sight.cosine[lane] = std::abs(glm::dot(direction, geometry_.normals[triangle]));
+  }
+  return owner.near_walls();
 }
 
 void RaySight::book(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays,

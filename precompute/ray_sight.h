@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "precompute/emitters.h"
 #include "precompute/ray_caster.h"
@@ -21,21 +22,29 @@ struct RayMemory;
 using RayNumbers = std::span<const std::uint32_t, kPacketSize>;
 
 /// In place of an element, besides kNone (a surface without elements) and SenderLookup::kBlackBack: there is
-/// no ray; and, from kSky on, a cell of the sky.
-inline constexpr std::uint32_t kNoRay = kNone - 2, kSky = 0xf0000000u;
+/// no ray; nobody knows yet; and, from kSky on, a cell of the sky.
+inline constexpr std::uint32_t kNoRay = kNone - 2, kNotKnown = kNone - 3, kSky = 0xf0000000u;
 
 inline bool sees_element(std::uint32_t place) {
   return place < kSky;
 }
 inline bool sees_sky(std::uint32_t place) {
-  return place >= kSky && place < kNoRay;
+  return place >= kSky && place < kNotKnown;
 }
 
 /// What the lanes of a packet see.
 struct PacketSight {
-  std::array<std::uint32_t, kPacketSize> place;  ///< an element of all systems, or one of the above
-  /// Of elements of possible emitters: m, and the cosine to their normal, above 0.
+  std::array<std::uint32_t, kPacketSize> place;   ///< an element of all systems, or one of the above
+  std::array<std::uint32_t, kPacketSize> sender;  ///< of elements
+  std::uint32_t emitters = 0;                     ///< lanes that see elements of possible emitters, as bits
+  /// Of these: m, and the cosine to their normal, above 0.
   std::array<float, kPacketSize> distance, cosine;
+};
+
+/// What many rays see, as in PacketSight; kNotKnown where they have to be asked for, packet by packet. Never
+/// possible emitters.
+struct KnownSights {
+  std::vector<std::uint32_t> place, sender;
 };
 
 /// Of samples of emitters' area, lane by lane as bits.
@@ -57,9 +66,9 @@ class RaySight {
   void begin(std::uint64_t identity, const Receiver& receiver, std::uint32_t rays, std::uint32_t samples);
   void end();
 
-  /// Whether it is known what all lanes `asked` see, without a look at where their rays go. Not so of
-  /// possible emitters, nor where something that moved may stand in the way.
-  bool know(const RayNumbers& numbers, std::uint32_t asked, PacketSight& sight);
+  /// What the rays with these numbers see, where that is known without a look at where they go: not where
+  /// something that moved may stand in the way.
+  void know(std::span<const std::uint32_t> numbers, KnownSights& sights);
 
   /// What the lanes `asked` see; the others have no ray. `own(lanes)`: those of the lanes that belong to the
   /// receiver; only asked of rays that must be traced. `rays` is used up.
@@ -96,7 +105,8 @@ class RaySight {
   std::uint32_t recall(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,
                        PacketSight& sight);
   void trace(std::uint32_t lanes, RayPacket& rays, PacketSight& sight);
-  void look_up(std::size_t lane, const RayPacket& rays, PacketSight& sight) const;
+  /// Whether surfaces cross or touch near the hit, so that others may be as far away.
+  bool look_up(std::size_t lane, const RayPacket& rays, PacketSight& sight) const;
   void book(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays, const PacketSight& sight);
   std::uint32_t recall_samples(std::uint32_t first, std::uint32_t asked, std::uint32_t useful,
                                const RayPacket& rays, SeenSamples& seen);

@@ -15,6 +15,8 @@ namespace {
 constexpr std::uint32_t kRaysPerAreaSample = 16;
 constexpr std::uint32_t kMaxAreaSamples = 4096;
 
+constexpr std::uint32_t kAllLanes = (1u << kPacketSize) - 1u;
+
 glm::vec3 direction_of(const RayPacket& packet, int lane) {
   return {packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]};
 }
@@ -22,11 +24,6 @@ glm::vec3 direction_of(const RayPacket& packet, int lane) {
 /// Where in their sequence the area samples begin that go with the rays of `range`.
 std::uint32_t first_sample(const PointRange& range, std::uint32_t samples) {
   return std::min(range.first / kRaysPerAreaSample, kMaxAreaSamples - samples) / kPacketSize * kPacketSize;
-}
-
-/// So many from the first on, as bits.
-std::uint32_t first_lanes(std::uint32_t count) {
-  return count >= std::uint32_t(kPacketSize) ? (1u << kPacketSize) - 1u : (1u << count) - 1u;
 }
 
 /// Those of `lanes` whose origins belong to the receiver.
@@ -84,50 +81,66 @@ RowTracer::Totals RowTracer::trace_hemisphere(const Receiver& receiver, const So
   Totals totals;
   HemispherePacket packet;
   PacketSight seen;
-  for (std::uint32_t first = range.first; first < range.first + range.count; first += kPacketSize) {
-    look(receiver, points, key, first, packet, seen);
-    for (int lane = 0; lane < kPacketSize; ++lane) {
-      if (seen.place[std::size_t(lane)] != kNoRay)
-        count_hit(receiver, packet, seen, lane, range.count, totals);
-    }
+  const bool remembers = scene_.memory != nullptr && !scene_.directional;
+  if (remembers) sight_.know(points.numbers(range.first, range.count), known_);
+  for (std::uint32_t first = 0; first < range.count; first += kPacketSize) {
+    const std::uint32_t open = remembers ? count_known(first, totals) : kAllLanes;
+    if (open == 0) continue;
+    make_packet(scene_.geometry, receiver, points, key, range.first + first, packet);
+    sight_.see(points.numbers(range.first + first), packet.used_lanes() & open, packet.rays, seen,
+               [&](std::uint32_t lanes) { return owned_lanes(scene_, receiver, packet.origins, lanes); });
+    for (int lane = 0; lane < kPacketSize; ++lane)
+      count_hit(receiver, packet, seen, lane, range.count, totals);
   }
   return totals;
 }
 
-void RowTracer::look(const Receiver& receiver, const SobolPoints& points, std::uint64_t key,
-                     std::uint32_t first, HemispherePacket& packet, PacketSight& seen) {
-  const std::uint32_t left = points.count() - std::min(points.count(), first);
-  if (scene_.memory != nullptr && !scene_.directional &&
-      sight_.know(points.numbers(first), first_lanes(left), seen))
-    return;
-  make_packet(scene_.geometry, receiver, points, key, first, packet);
-  sight_.see(points.numbers(first), packet.used_lanes(), packet.rays, seen,
-             [&](std::uint32_t lanes) { return owned_lanes(scene_, receiver, packet.origins, lanes); });
+std::uint32_t RowTracer::count_known(std::uint32_t first, Totals& totals) {
+  std::uint32_t open = 0;
+  for (std::uint32_t lane = 0; lane < kLanes && first + lane < known_.place.size(); ++lane) {
+    const std::uint32_t place = known_.place[first + lane];
+    if (place == kNotKnown) {
+      open |= 1u << lane;
+    } else {
+      count_place(place, known_.sender[first + lane], totals);
+    }
+  }
+  return open;
 }
 
-void RowTracer::count_hit(const Receiver& receiver, const HemispherePacket& packet, const PacketSight& seen,
-                          int lane, std::uint32_t ray_count, Totals& totals) {
+/// The sender that is seen, whose ray is counted; kNone where none is.
+inline std::uint32_t RowTracer::count_arrival(std::uint32_t place, std::uint32_t sender, Totals& totals) {
+  if (place == kNoRay) return kNone;
   ++totals.traced;
-  const std::uint32_t place = seen.place[std::size_t(lane)];
   if (place == SenderLookup::kBlackBack) ++totals.back_faces;
-  if (place >= SenderLookup::kBlackBack) return;
-  std::uint32_t sender = 0;
-  if (sees_sky(place)) {
-    sender = scene_.sky_senders[place - kSky];
-  } else {
-    sender = scene_.lookup.sender_of(place);
+  if (place >= SenderLookup::kBlackBack) return kNone;
+  ++totals.arrived;
+  return sees_sky(place) ? scene_.sky_senders[place - kSky] : sender;
+}
+
+inline std::uint32_t RowTracer::count_place(std::uint32_t place, std::uint32_t sender, Totals& totals) {
+  const std::uint32_t seen = count_arrival(place, sender, totals);
+  if (seen == kNone) return kNone;
+  ++counts_[seen];
+  touched_.insert(seen);
+  return seen;
+}
+
+inline void RowTracer::count_hit(const Receiver& receiver, const HemispherePacket& packet,
+                                 const PacketSight& seen, int lane, std::uint32_t ray_count, Totals& totals) {
+  const std::uint32_t place = seen.place[std::size_t(lane)], sender = seen.sender[std::size_t(lane)];
+  if ((seen.emitters >> lane & 1u) != 0) {
     const std::uint32_t emitter = scene_.emitters.of(sender);
-    if (emitter != kNone && choice_.probability[emitter] > 0.0) {
-      ++totals.arrived;
+    if (choice_.probability[emitter] > 0.0) {
+      count_arrival(place, sender, totals);
       ++totals.arrived_at_emitters;
       add_emitter_hit(emitter, packet.rays, seen, lane, packet.normal(receiver, lane), ray_count);
       return;
     }
   }
-  ++totals.arrived;
-  ++counts_[sender];
-  if (scene_.directional) direction_sums_[sender] += glm::dvec3(direction_of(packet.rays, lane));
-  touched_.insert(sender);
+  const std::uint32_t counted = count_place(place, sender, totals);
+  if (scene_.directional && counted != kNone)
+    direction_sums_[counted] += glm::dvec3(direction_of(packet.rays, lane));
 }
 
 void RowTracer::add_emitter_hit(std::uint32_t emitter, const RayPacket& packet, const PacketSight& seen,

@@ -82,8 +82,10 @@ class RowTracer {
   };
   Totals trace_hemisphere(const Receiver& receiver, const SobolPoints& points, const PointRange& range,
                           std::uint64_t key);
-  void look(const Receiver& receiver, const SobolPoints& points, std::uint64_t key, std::uint32_t first,
-            HemispherePacket& packet, PacketSight& seen);
+  /// Counts the rays [first, first + kPacketSize) of those of known_; lanes that it does not know, as bits.
+  std::uint32_t count_known(std::uint32_t first, Totals& totals);
+  std::uint32_t count_arrival(std::uint32_t place, std::uint32_t sender, Totals& totals);
+  std::uint32_t count_place(std::uint32_t place, std::uint32_t sender, Totals& totals);
   /// Of the packet, directions and origins of lanes that see a possible emitter, or of all in a directional
   /// scene.
   void count_hit(const Receiver& receiver, const HemispherePacket& packet, const PacketSight& seen, int lane,
@@ -102,6 +104,7 @@ class RowTracer {
 
   const RowScene& scene_;
   RaySight sight_;
+  KnownSights known_;  ///< of the row that is being traced
   SobolPoints emitter_points_;
   std::vector<std::uint32_t>
       counts_;                      ///< per sender: rays that arrived, except those counted in emitter_sums_

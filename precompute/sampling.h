@@ -4,6 +4,7 @@
 // library's trigonometry, whose last place differs between machines.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -61,6 +62,10 @@ class SobolPoints {
   /// ray of a point is the same ray whatever is grouped.
   std::span<const std::uint32_t, kLanes> numbers(std::uint32_t first) const {
     return std::span<const std::uint32_t, kLanes>(&numbers_[first], kLanes);
+  }
+  /// The same of so many, as far as there are points.
+  std::span<const std::uint32_t> numbers(std::uint32_t first, std::uint32_t count) const {
+    return std::span(numbers_).first(count_).subspan(first, std::min(count, count_ - first));
   }
   /// Point `index` < count() of the sequence that belongs to `seed`.
   SamplePoint scrambled(std::uint32_t index, std::uint64_t seed) const;

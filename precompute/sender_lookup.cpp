@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "precompute/sender_lookup.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
@@ -57,60 +55,57 @@ SenderLookup::SenderLookup(const Geometry& geometry, const std::vector<Chart>& c
     elements += std::uint32_t(surfaces[s].surface.elements.size());
     for (std::size_t i = 0; i < layouts[s].charts.size(); ++i)
       map_chart(charts[layouts[s].charts[i]], layouts[s].positions[i], s);
-    Grid grid{layouts[s].width, layouts[s].height, {}, {}};
-    grid.entry.assign(std::size_t(grid.width) * grid.height, kNone);
-    for (std::uint32_t cell = 0; cell < grid.entry.size(); ++cell) {
-      const std::uint32_t first = surfaces[s].surface.first_element[cell];
-      if (first == surfaces[s].surface.first_element[cell + 1]) continue;
-      grid.entry[cell] =
-          whole(surfaces[s].surface, cell) ? first_elements_[s] + first : kSearch | kNoFineCell;
-    }
-    dilate(grid.entry, grid.width, grid.height);
-    grids_.push_back(std::move(grid));
-    fill_fine_cells(s);
+    make_grid(layouts[s], s);
   }
-  senders_.assign(elements, kNone);
-  for (std::uint32_t s = 0; s < surfaces.size(); ++s) {
-    for (std::uint32_t e = 0; e < surfaces[s].surface.elements.size(); ++e)
-      near_walls_.push_back(simple(s, e) ? 0 : 1);
-  }
+  owners_.resize(elements);
   follow_clusters();
 }
 
-void SenderLookup::fill_fine_cells(std::uint32_t system) {
-  Grid& grid = grids_[system];
-  const std::vector<std::uint32_t>& first = surfaces_[system].surface.first_element;
-  std::vector<std::uint32_t> cells;
+void SenderLookup::make_grid(const AtlasLayout& layout, std::uint32_t system) {
+  const SystemSurface& surface = surfaces_[system].surface;
+  Grid grid{layout.width, layout.height, {}, {}, {}};
+  grid.entry.assign(std::size_t(grid.width) * grid.height, kNone);
   for (std::uint32_t cell = 0; cell < grid.entry.size(); ++cell) {
-    if (grid.entry[cell] == (kSearch | kNoFineCell) && first[cell] < first[cell + 1]) cells.push_back(cell);
+    const std::uint32_t first = surface.first_element[cell];
+    if (first == surface.first_element[cell + 1]) continue;
+    grid.entry[cell] = whole(surface, cell) ? first_elements_[system] + first : kSearch | kNoFineCell;
   }
-  grid.fine.resize(cells.size());
-  tbb::parallel_for(std::size_t{0}, cells.size(),
-                    [&](std::size_t i) { fill_fine_cell(system, cells[i], grid.fine[i]); });
-  for (std::uint32_t i = 0; i < cells.size(); ++i) grid.entry[cells[i]] = kSearch | i;
+  dilate(grid.entry, grid.width, grid.height);
+  for (std::uint32_t cell = 0; cell < grid.entry.size(); ++cell) {
+    const bool covered = surface.first_element[cell] < surface.first_element[cell + 1];
+    if (!covered || grid.entry[cell] != (kSearch | kNoFineCell)) continue;
+    grid.entry[cell] = kSearch | std::uint32_t(grid.fine_cells.size());
+    grid.fine_cells.push_back(cell);
+  }
+  grid.fine = std::vector<FineCell>(grid.fine_cells.size());
+  for (FineCell& fine : grid.fine) {
+    for (auto& entry : fine) entry.store(kNone, std::memory_order_relaxed);
+  }
+  grids_.push_back(std::move(grid));
 }
 
 /// A sub-cell is known when the corners of all pieces in it find one element: then no wall cuts it.
-void SenderLookup::fill_fine_cell(std::uint32_t system, std::uint32_t cell, FineCell& fine) const {
-  const ClusteredSurface& own = surfaces_[system];
-  fine.fill(kNone);
-  for (auto e = own.surface.first_element[cell]; e < own.surface.first_element[cell + 1]; ++e) {
-    const Element& element = own.surface.elements[e];
+std::uint32_t SenderLookup::find_fine_entry(std::uint32_t system, std::uint32_t cell,
+                                            std::size_t wanted) const {
+  const SystemSurface& surface = surfaces_[system].surface;
+  std::uint32_t known = kNone;
+  for (auto e = surface.first_element[cell]; e < surface.first_element[cell + 1]; ++e) {
+    const Element& element = surface.elements[e];
     const Side side = charts_[element.chart].side;
     for (std::uint32_t p = 0; p < element.piece_count; ++p) {
-      const SurfacePiece& shape = own.surface.pieces[element.first_piece + p].shape;
+      const SurfacePiece& shape = surface.pieces[element.first_piece + p].shape;
       const glm::vec2 middle = (shape.corners[0] + shape.corners[1] + shape.corners[2]) / 3.0f;
       const Face& face = side == Side::front ? front_[shape.triangle] : back_[shape.triangle];
-      std::uint32_t& known = fine[subcell(locate(face, grids_[system], middle.x, middle.y))];
+      if (subcell(locate(face, grids_[system], middle.x, middle.y)) != wanted) continue;
       for (const glm::vec2& corner : shape.corners) {
         const glm::vec2 at = glm::mix(corner, middle, kCornerInset);
         const std::uint32_t found = search({shape.triangle, at.x, at.y, side}, system, cell);
-        known = known == kNone || known == found ? found : kSearch;
-        if (known == kNone) known = kSearch;
+        if (found == kNone || (known != kNone && known != found)) return kSearch;
+        known = found;
       }
     }
   }
-  std::replace(fine.begin(), fine.end(), kNone, kSearch);
+  return known == kNone ? kSearch : known;
 }
 
 void SenderLookup::map_chart(const Chart& chart, const glm::uvec2& position, std::uint32_t system) {
@@ -124,9 +119,10 @@ void SenderLookup::map_chart(const Chart& chart, const glm::uvec2& position, std
 }
 
 void SenderLookup::follow_clusters() {
+  ++numbering_;
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     for (std::uint32_t e = 0; e < surfaces_[s].cluster.size(); ++e)
-      senders_[first_elements_[s] + e] = surfaces_[s].sender_of(e);
+      owners_[first_elements_[s] + e] = {surfaces_[s].sender_of(e), !simple(s, e)};
   }
 }
 
@@ -165,15 +161,16 @@ std::uint32_t SenderLookup::search(const SurfaceHit& hit, std::uint32_t system, 
         candidates[count++] = {glm::length(element.position - point.position), e};
     }
   }
-  std::sort(candidates.begin(), candidates.begin() + std::ptrdiff_t(count),
-            [](const Candidate& a, const Candidate& b) {
-              return a.distance < b.distance || (a.distance == b.distance && a.element < b.element);
-            });
+  // Nearest first; it is seldom not the first that is seen.
+  const auto before = [](const Candidate& a, const Candidate& b) {
+    return a.distance < b.distance || (a.distance == b.distance && a.element < b.element);
+  };
   for (std::size_t i = 0; i < count; ++i) {
-    const Element& element = own.surface.elements[candidates[i].element];
-    if (mutually_visible(geometry_, caster_, point, {element.position, element.normal})) {
-      return first_elements_[system] + candidates[i].element;
-    }
+    const auto first = candidates.begin() + std::ptrdiff_t(i);
+    std::iter_swap(first, std::min_element(first, candidates.begin() + std::ptrdiff_t(count), before));
+    const Element& element = own.surface.elements[first->element];
+    if (mutually_visible(geometry_, caster_, point, {element.position, element.normal}))
+      return first_elements_[system] + first->element;
   }
   return kNone;
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
@@ -30,6 +31,20 @@ struct ClusteredSurface {
   std::uint32_t sender_of(std::uint32_t element) const { return senders[cluster[element]]; }
 };
 
+/// The sender that an element belongs to, and whether surfaces cross or touch near the element, as far as its
+/// lumel shows it: one word, for rays ask for both.
+class ElementOwner {
+ public:
+  ElementOwner() = default;
+  ElementOwner(std::uint32_t sender, bool near_walls) : word_(sender | (near_walls ? kNearWalls : 0u)) {}
+  std::uint32_t sender() const { return word_ & ~kNearWalls; }
+  bool near_walls() const { return (word_ & kNearWalls) != 0; }
+
+ private:
+  static constexpr std::uint32_t kNearWalls = 0x80000000u;
+  std::uint32_t word_ = 0;
+};
+
 /// Maps hits to elements, numbered through over all systems, and these to senders. Most hits cost one look
 /// into the grid of lumels, or into one four times as fine where a wall runs through or beside the lumel;
 /// where a wall cuts a cell of that too, the element is found that the hit point sees, so that no light
@@ -48,19 +63,19 @@ class SenderLookup {
 
   /// The surfaces have new clusters, or these new numbers.
   void follow_clusters();
+  /// Another one after each follow_clusters().
+  std::uint32_t numbering() const { return numbering_; }
 
+  ElementOwner owner_of(std::uint32_t element) const { return owners_[element]; }
   /// The sender that an element belongs to.
-  std::uint32_t sender_of(std::uint32_t element) const { return senders_[element]; }
+  std::uint32_t sender_of(std::uint32_t element) const { return owners_[element].sender(); }
   /// Of a system, among the elements of all.
   std::uint32_t first_element(std::size_t system) const { return first_elements_[system]; }
-  std::uint32_t element_count() const { return std::uint32_t(senders_.size()); }
+  std::uint32_t element_count() const { return std::uint32_t(owners_.size()); }
   /// Whether all hits on the lumel of an element are on it, without a look at the surfaces around.
   bool simple(std::size_t system, std::uint32_t element_of_system) const {
     return (grids_[system].entry[surfaces_[system].surface.elements[element_of_system].cell] & kSearch) == 0;
   }
-
-  /// Whether surfaces cross or touch near an element, as far as its lumel shows it.
-  bool near_walls(std::uint32_t element) const { return near_walls_[element] != 0; }
 
   /// Instead of an element: the back of a single-sided surface, opaque and black.
   static constexpr std::uint32_t kBlackBack = kNone - 1;
@@ -85,12 +100,14 @@ class SenderLookup {
   };
   static constexpr std::uint32_t kSearch = 0x80000000u;
   static constexpr std::uint32_t kNoFineCell = kSearch - 2;  ///< kSearch | kNoFineCell is not kNone
-  /// One entry per sub-cell (kSubcells^2) of a cell: its element, or kSearch.
-  using FineCell = std::array<std::uint32_t, kSubcells * kSubcells>;
+  /// One entry per sub-cell (kSubcells^2) of a cell: its element, or kSearch; kNone until somebody asks.
+  /// Others who ask meanwhile find the same.
+  using FineCell = std::array<std::atomic<std::uint32_t>, kSubcells * kSubcells>;
   struct Grid {
     std::uint32_t width = 0, height = 0;
     std::vector<std::uint32_t> entry;  ///< element, kNone, or kSearch | index into `fine` or kNoFineCell
-    std::vector<FineCell> fine;
+    mutable std::vector<FineCell> fine;
+    std::vector<std::uint32_t> fine_cells;  ///< per entry of `fine`: its cell
   };
   struct GridPoint {
     std::uint32_t x, y;
@@ -114,11 +131,20 @@ class SenderLookup {
     const std::uint32_t entry = grid.entry[std::size_t(at.y) * grid.width + at.x];
     if (entry == kNone || (entry & kSearch) == 0) return entry;
     const std::uint32_t fine = entry & ~kSearch;
-    const std::uint32_t known = fine == kNoFineCell ? kSearch : grid.fine[fine][subcell(at)];
+    const std::uint32_t known = fine == kNoFineCell ? kSearch : fine_entry(face.system, fine, subcell(at));
     return known != kSearch ? known : search(hit, face.system, at.y * grid.width + at.x);
   }
-  void fill_fine_cells(std::uint32_t system);
-  void fill_fine_cell(std::uint32_t system, std::uint32_t cell, FineCell& fine) const;
+  std::uint32_t fine_entry(std::uint32_t system, std::uint32_t fine, std::size_t subcell) const {
+    std::atomic<std::uint32_t>& entry = grids_[system].fine[fine][subcell];
+    std::uint32_t known = entry.load(std::memory_order_relaxed);
+    if (known == kNone) {
+      known = find_fine_entry(system, grids_[system].fine_cells[fine], subcell);
+      entry.store(known, std::memory_order_relaxed);
+    }
+    return known;
+  }
+  void make_grid(const AtlasLayout& layout, std::uint32_t system);
+  std::uint32_t find_fine_entry(std::uint32_t system, std::uint32_t cell, std::size_t wanted) const;
   std::uint32_t seen_from_behind(std::uint32_t triangle, float u, float v, const glm::vec3& direction) const;
   std::uint32_t search(const SurfaceHit& hit, std::uint32_t system, std::uint32_t cell) const;
 
@@ -129,8 +155,8 @@ class SenderLookup {
   std::vector<Face> front_, back_;
   std::vector<Grid> grids_;
   std::vector<std::uint32_t> first_elements_;  ///< per system
-  std::vector<std::uint32_t> senders_;         ///< per element of all systems
-  std::vector<std::uint8_t> near_walls_;       ///< likewise
+  std::uint32_t numbering_ = 0;
+  std::vector<ElementOwner> owners_;  ///< per element of all systems
 };
 
 }  // namespace relume

@@ -159,7 +159,7 @@ void SphereTracer::add_hit(const RayPacket& packet, const PacketSight& seen, std
     return;
   }
   ++totals.arrived;
-  const std::uint32_t sender = scene_.lookup.sender_of(place), emitter = scene_.emitters.of(sender);
+  const std::uint32_t sender = seen.sender[lane], emitter = scene_.emitters.of(sender);
   if (emitter == kNone || !(choice_.probability[emitter] > 0.0)) {
     counted_.push_back({sender, float(whole), direction});
     return;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "precompute/survey.h"
 
+#include "precompute/ray_recall.h"
 #include "precompute/rooms.h"
 
 namespace relume {
@@ -47,6 +48,7 @@ Result<Survey> survey(RowScene& scene, const std::vector<Chart>& charts,
   }
   renumber(numbers, emitters);
   lookup.follow_clusters();
+  if (scene.memory != nullptr) follow_senders(lookup, emitters, *scene.memory);
   for (std::uint32_t& sender : scene.sky_senders) sender = numbers[sender];
   const ProbedScene probed{scene.geometry, scene.caster, surfaces, emitters, result.senders, scene.seed};
   result.probing = probe(probed, *halves, reordered(std::move(rooms), numbers));
