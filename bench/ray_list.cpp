@@ -10,6 +10,7 @@
 #include "precompute/elements.h"
 #include "precompute/hemisphere_rays.h"
 #include "precompute/receiver.h"
+#include "precompute/views.h"
 
 namespace relume::bench {
 namespace {
@@ -41,7 +42,8 @@ Result<RayList> rays_of_precompute(const Scene& scene, const Geometry& geometry,
   RayList rays;
   rays.per_receiver = options.quality;
   for (const AtlasLayout& layout : *layouts) {
-    const SystemSurface surface = make_elements(geometry, charts, layout, *caster);
+    Views views(geometry, *caster);
+    const SystemSurface surface = make_elements(geometry, charts, layout, views);
     const auto clusters =
         make_clusters(geometry, charts, layout, surface, *caster, texels, {options.cluster_size, 0.0, {}});
     std::vector<std::uint32_t> order(clusters.size());

@@ -10,7 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "precompute/clip_grid.h"
-#include "precompute/mutual_visibility.h"
+#include "precompute/views.h"
 
 namespace relume {
 namespace {
@@ -162,16 +162,19 @@ bool still_visible(const Cells& cells, const KnownCells* known, std::size_t a, s
 }
 
 /// Cells between which something stands are walled and will be split.
-void find_walls(const Geometry& geometry, const RayCaster& caster, std::uint32_t width, std::uint32_t height,
-                const KnownCells* known, Cells& cells, std::atomic<std::uint64_t>& rays) {
+void find_walls(Views& views, std::uint32_t width, std::uint32_t height, const KnownCells* known,
+                Cells& cells, std::atomic<std::uint64_t>& rays) {
   std::vector<std::vector<std::uint32_t>> blocked(cells.whole.size());
+  const auto for_each_asked = [&](std::size_t a, auto&& visit) {
+    for_each_neighbour(cells, std::uint32_t(a), width, height, [&](std::uint32_t b) {
+      if (linkable(cells.whole[a], cells.whole[b])) visit(b);
+    });
+  };
   tbb::parallel_for(std::size_t{0}, cells.whole.size(), [&](std::size_t a) {
     std::uint64_t traced = 0;
-    for_each_neighbour(cells, std::uint32_t(a), width, height, [&](std::uint32_t b) {
-      if (!linkable(cells.whole[a], cells.whole[b]) || still_visible(cells, known, a, b)) return;
-      traced += 3;
-      if (!mutually_visible(geometry, caster, point_of(cells.whole[a]), point_of(cells.whole[b])))
-        blocked[a].push_back(b);
+    for_each_asked(a, [&](std::uint32_t b) {
+      if (still_visible(cells, known, a, b)) return;
+      if (!views.ask(point_of(cells.whole[a]), point_of(cells.whole[b]), traced)) blocked[a].push_back(b);
     });
     rays += traced;
   });
@@ -181,10 +184,18 @@ void find_walls(const Geometry& geometry, const RayCaster& caster, std::uint32_t
       cells.walled[a] = cells.walled[b] = 1;
     }
   }
+  // Of cells that stay whole, their elements tell the next time what they saw.
+  tbb::parallel_for(std::size_t{0}, cells.whole.size(), [&](std::size_t a) {
+    for_each_asked(a, [&](std::uint32_t b) {
+      if (cells.split[a] == 0 && cells.split[b] == 0) return;
+      const bool visible = std::find(blocked[a].begin(), blocked[a].end(), b) == blocked[a].end();
+      views.keep(point_of(cells.whole[a]), point_of(cells.whole[b]), visible);
+    });
+  });
 }
 
 /// Final elements: whole cells as they are, the others as split_cell groups them.
-void settle_elements(const Geometry& geometry, const std::vector<Chart>& charts, const RayCaster& caster,
+void settle_elements(const Geometry& geometry, const std::vector<Chart>& charts, Views& views,
                      const Cells& cells, const std::vector<Piece>& pieces, SystemSurface& surface) {
   std::vector<std::vector<std::vector<Piece>>> groups(cells.whole.size());
   std::atomic<std::uint64_t> rays{0};
@@ -197,7 +208,7 @@ void settle_elements(const Geometry& geometry, const std::vector<Chart>& charts,
       return;
     }
     std::uint64_t traced = 0;
-    groups[i] = split_cell(geometry, charts[cell.chart], caster, own, traced);
+    groups[i] = split_cell(geometry, charts[cell.chart], views, own, traced);
     rays += traced;
   });
   surface.occlusion_rays += rays;
@@ -217,10 +228,11 @@ void settle_elements(const Geometry& geometry, const std::vector<Chart>& charts,
     surface.first_element[c] += surface.first_element[c - 1];
 }
 
-void link_elements(const Geometry& geometry, const RayCaster& caster, const Cells& cells,
-                   SystemSurface& surface) {
+void link_elements(Views& views, const Cells& cells, SystemSurface& surface) {
   std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> links(cells.whole.size());
+  std::atomic<std::uint64_t> rays{0};
   tbb::parallel_for(std::size_t{0}, cells.whole.size(), [&](std::size_t a) {
+    std::uint64_t traced = 0;
     for_each_neighbour(cells, std::uint32_t(a), surface.width, surface.height, [&](std::uint32_t b) {
       const std::uint32_t cell_a = cells.whole[a].cell, cell_b = cells.whole[b].cell;
       const bool both_whole = cells.split[a] == 0 && cells.split[b] == 0;
@@ -228,14 +240,14 @@ void link_elements(const Geometry& geometry, const RayCaster& caster, const Cell
         for (auto j = surface.first_element[cell_b]; j < surface.first_element[cell_b + 1]; ++j) {
           const Element &e = surface.elements[i], &f = surface.elements[j];
           // find_walls has already seen that whole neighbours see each other.
-          if (linkable(e, f) &&
-              (both_whole || mutually_visible(geometry, caster, point_of(e), point_of(f)))) {
+          if (linkable(e, f) && (both_whole || views.see_each_other(point_of(e), point_of(f), traced)))
             links[a].emplace_back(i, j);
-          }
         }
       }
     });
+    rays += traced;
   });
+  surface.occlusion_rays += rays;
   for (const auto& list : links) surface.links.insert(surface.links.end(), list.begin(), list.end());
 }
 
@@ -261,7 +273,7 @@ std::vector<Piece> cut_into_cells(const Geometry& geometry, const std::vector<Ch
 }
 
 SystemSurface make_elements(const Geometry& geometry, const std::vector<Chart>& charts,
-                            const AtlasLayout& layout, const RayCaster& caster, const KnownCells* known) {
+                            const AtlasLayout& layout, Views& views, const KnownCells* known) {
   SystemSurface surface;
   surface.width = layout.width;
   surface.height = layout.height;
@@ -269,10 +281,10 @@ SystemSurface make_elements(const Geometry& geometry, const std::vector<Chart>& 
   Cells cells = gather_cells(geometry, charts, pieces, std::size_t(layout.width) * layout.height);
   if (known != nullptr) recognise_cells(pieces, *known, cells);
   std::atomic<std::uint64_t> rays{0};
-  find_walls(geometry, caster, layout.width, layout.height, known, cells, rays);
+  find_walls(views, layout.width, layout.height, known, cells, rays);
   surface.occlusion_rays = rays;
-  settle_elements(geometry, charts, caster, cells, pieces, surface);
-  link_elements(geometry, caster, cells, surface);
+  settle_elements(geometry, charts, views, cells, pieces, surface);
+  link_elements(views, cells, surface);
   return surface;
 }
 

@@ -18,9 +18,10 @@
 #include "precompute/charts.h"
 #include "precompute/geometry.h"
 #include "precompute/mutual_visibility.h"
-#include "precompute/ray_caster.h"
 
 namespace relume {
+
+class Views;
 
 /// A triangle cut out of a triangle of the scene, with what grouping asks of it.
 struct Piece {
@@ -66,8 +67,7 @@ struct KnownCells {
 
 /// Neighbours that are `known` to see each other are not asked; it may be missing.
 SystemSurface make_elements(const Geometry& geometry, const std::vector<Chart>& charts,
-                            const AtlasLayout& layout, const RayCaster& caster,
-                            const KnownCells* known = nullptr);
+                            const AtlasLayout& layout, Views& views, const KnownCells* known = nullptr);
 
 /// All charts of the system cut along the lumel grid, ascending by cell.
 std::vector<Piece> cut_into_cells(const Geometry& geometry, const std::vector<Chart>& charts,
@@ -75,10 +75,10 @@ std::vector<Piece> cut_into_cells(const Geometry& geometry, const std::vector<Ch
 
 /// Cuts the pieces of one cell along a grid of kSubcells x kSubcells, groups what agrees in material and
 /// normal and is connected by visible neighbours, and drops what lies inside other geometry (all of it is
-/// kept when nothing else would be left). Each group is the pieces of one element.
+/// kept when nothing else would be left). Each group is the pieces of one element. Rays that were traced are
+/// added to `rays`.
 inline constexpr int kSubcells = 4;
-std::vector<std::vector<Piece>> split_cell(const Geometry& geometry, const Chart& chart,
-                                           const RayCaster& caster, const std::vector<Piece>& pieces,
-                                           std::uint64_t& occlusion_rays);
+std::vector<std::vector<Piece>> split_cell(const Geometry& geometry, const Chart& chart, Views& views,
+                                           const std::vector<Piece>& pieces, std::uint64_t& rays);
 
 }  // namespace relume

@@ -11,6 +11,10 @@
 namespace relume {
 namespace {
 
+/// Receivers are searched for among those that begin with so many bits of their identities: these are as good
+/// as random.
+constexpr unsigned kFirstBits = 16;
+
 constexpr float kFar = std::numeric_limits<float>::max();
 
 void choose_lanes(std::uint32_t lanes, RayPacket& packet) {
@@ -118,6 +122,10 @@ KeptSenders KeptRays::senders(const SenderLookup& lookup, const Emitters& emitte
 }
 
 void KeptRays::index_receivers() {
+  first_receiver_.assign((std::size_t{1} << kFirstBits) + 1, 0);
+  for (const ReceiverRecord& receiver : old_.receivers)
+    ++first_receiver_[(receiver.identity >> (64 - kFirstBits)) + 1];
+  for (std::size_t i = 1; i < first_receiver_.size(); ++i) first_receiver_[i] += first_receiver_[i - 1];
   std::uint64_t codes = 0, samples = 0, hits = 0;
   for (const ReceiverRecord& receiver : old_.receivers) {
     first_code_.push_back(codes), first_sample_.push_back(samples), first_hit_.push_back(hits);
@@ -129,10 +137,12 @@ void KeptRays::index_receivers() {
 
 std::optional<OldRays> KeptRays::find(std::uint64_t identity) const {
   if (new_codes_.empty()) return std::nullopt;
+  const auto part = old_.receivers.begin() + first_receiver_[identity >> (64 - kFirstBits)],
+             end = old_.receivers.begin() + first_receiver_[(identity >> (64 - kFirstBits)) + 1];
   const auto found = std::lower_bound(
-      old_.receivers.begin(), old_.receivers.end(), identity,
+      part, end, identity,
       [](const ReceiverRecord& receiver, std::uint64_t wanted) { return receiver.identity < wanted; });
-  if (found == old_.receivers.end() || found->identity != identity) return std::nullopt;
+  if (found == end || found->identity != identity) return std::nullopt;
   const auto i = std::size_t(found - old_.receivers.begin());
   return OldRays{old_.codes.data() + first_code_[i] * old_codes_.width(), found->rays,
                  old_.samples.data() + first_sample_[i], found->samples,

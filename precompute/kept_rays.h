@@ -101,9 +101,10 @@ class KeptRays {
   const RowsFile& old_;
   RayCodes old_codes_, codes_;
   Ball added_ball_;
-  std::vector<std::uint32_t> old_elements_;  ///< per element of this scene: which it was, or kNone
-  std::vector<Ball> balls_;                  ///< per element of this scene: they hold it
-  std::vector<std::uint32_t> new_codes_;     ///< per old code; empty: nothing can be kept
+  std::vector<std::uint32_t> old_elements_;    ///< per element of this scene: which it was, or kNone
+  std::vector<Ball> balls_;                    ///< per element of this scene: they hold it
+  std::vector<std::uint32_t> new_codes_;       ///< per old code; empty: nothing can be kept
+  std::vector<std::uint32_t> first_receiver_;  ///< of the old ones, by the first bits of their identities
   std::vector<std::uint64_t> first_code_, first_sample_, first_hit_;  ///< per receiver
 };
 

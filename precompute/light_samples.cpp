@@ -29,10 +29,11 @@ OwnPatches find_own_patches(const Geometry& geometry, const RayCaster& caster, c
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, own.size(), 64), [&](const auto& range) {
     for (std::size_t e = range.begin(); e < range.end(); ++e) {
       const SurfaceElement& element = system.elements[e];
-      const std::vector<LightPatch> patches = element_patches(model, system, element);
-      if (whole[e] != 0) own[e].assign(patches.size(), true);
-      for (const LightPatch& patch : patches) {
-        if (whole[e] != 0) break;
+      if (whole[e] != 0) {
+        own[e].assign(count_element_patches(model, system, element), true);
+        continue;
+      }
+      for (const LightPatch& patch : element_patches(model, system, element)) {
         const SurfacePoint point{glm::vec3(patch_point(patch)), glm::vec3(patch.normal)};
         own[e].push_back(mutually_visible(geometry, caster, {element.position, element.normal}, point));
       }

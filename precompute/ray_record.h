@@ -27,13 +27,13 @@ struct KnownRays {
 /// Grows while rays are traced: whoever asks again for a ray need not trace it. Thread-safe.
 class RayRecord {
  public:
-  explicit RayRecord(const RayCodes& codes) : codes_(codes), shelves_(kShelves) {}
+  explicit RayRecord(const RayCodes& codes);
 
   /// Of a receiver, by its identity; lives as long as the record.
   KnownRays& of(std::uint64_t identity);
-  /// Everything, into `file`, whose spans then point into its own bytes; forgets it. Samples of other
+  /// The bytes of a .rows file of everything, with the rest of it in `file`; forgets it. Samples of other
   /// emitters than settings.emitters of the file are left out.
-  void move_into(RowsFile& file);
+  std::vector<std::byte> encode(RowsFile& file);
 
  private:
   static constexpr std::size_t kShelves = 64;

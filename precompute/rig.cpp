@@ -79,6 +79,20 @@ struct EnclosedGrid {
   }
 };
 
+/// No more rays than it takes to know.
+bool is_enclosed(const Geometry& geometry, const RayCaster& caster, const glm::vec3& point,
+                 const std::array<glm::vec3, kDirections>& directions) {
+  static_assert(kDirections % kPacketSize == 0);
+  int escaped = 0, back = 0;
+  for (std::size_t first = 0; first < directions.size(); first += kPacketSize) {
+    std::array<Met, kPacketSize> met;
+    look(geometry, caster, point, std::span(directions).subspan(first, kPacketSize), met);
+    for (const Met& m : met) escaped += m.escaped ? 1 : 0, back += m.back_face ? 1 : 0;
+    if (escaped > kMaxEscapes * kDirections || back > kMaxBackFaces * kDirections) return false;
+  }
+  return true;
+}
+
 EnclosedGrid find_enclosed(const Geometry& geometry, const RayCaster& caster) {
   EnclosedGrid grid;
   const glm::vec3 extent = geometry.upper - geometry.lower;
@@ -90,11 +104,7 @@ EnclosedGrid find_enclosed(const Geometry& geometry, const RayCaster& caster) {
   for (int i = 0; i < kDirections; ++i) directions[std::size_t(i)] = sphere_direction(i, kDirections);
   grid.enclosed.assign(std::size_t(grid.size.x) * std::size_t(grid.size.y) * std::size_t(grid.size.z), 0);
   tbb::parallel_for(std::size_t{0}, grid.enclosed.size(), [&](std::size_t i) {
-    std::array<Met, kDirections> met;
-    look(geometry, caster, grid.point(i), directions, met);
-    int escaped = 0, back = 0;
-    for (const Met& m : met) escaped += m.escaped ? 1 : 0, back += m.back_face ? 1 : 0;
-    grid.enclosed[i] = escaped <= kMaxEscapes * kDirections && back <= kMaxBackFaces * kDirections ? 1 : 0;
+    grid.enclosed[i] = is_enclosed(geometry, caster, grid.point(i), directions) ? 1 : 0;
   });
   return grid;
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -78,6 +79,7 @@ bool sound_scene(const RowsFile& rows) {
   if (rows.triangle_keys.size() != triangles || rows.triangle_nodes.size() != triangles) return false;
   if (!rows.ties.empty() && rows.ties.size() != triangles) return false;
   if (rows.whole_elements.size() != rows.element_keys.size()) return false;
+  if (!std::is_sorted(rows.views.begin(), rows.views.end())) return false;
   for (const glm::vec3& p : rows.positions) {
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return false;
   }
@@ -101,6 +103,14 @@ bool sound_receivers(const RowsFile& rows) {
   }
   return codes * rows.ray_codes().width() + kCodePadding == rows.codes.size() &&
          samples == rows.samples.size() && hits == rows.emitter_hits.size();
+}
+
+/// About what everything but rays takes.
+std::size_t scene_bytes(const RowsFile& rows) {
+  constexpr std::size_t kSlack = 1u << 16, kPerNode = 64;
+  return kSlack + kPerNode * rows.nodes.size() + 12 * rows.positions.size() + 25 * rows.triangles.size() +
+         9 * rows.element_keys.size() + 8 * rows.views.size() +
+         sizeof(ReceiverRecord) * rows.receivers.size();
 }
 
 Result<void> read_settings(const Reader& reader, RowsFile& rows) {
@@ -127,8 +137,8 @@ Result<void> read_all(const Reader& reader, RowsFile& rows) {
                      reader.read("RPOS", rows.positions) && reader.read("RTRI", rows.triangles) &&
                      reader.read("RTKY", rows.triangle_keys) && reader.read("RTND", rows.triangle_nodes) &&
                      reader.read("RTIE", rows.ties) && reader.read("RELM", rows.element_keys) &&
-                     reader.read("RWHL", rows.whole_elements) && reader.read("RRCV", rows.receivers) &&
-                     names.size() == 2;
+                     reader.read("RWHL", rows.whole_elements) && reader.read("RVWS", rows.views) &&
+                     reader.read("RRCV", rows.receivers) && names.size() == 2;
   if (!whole) return reader.bad("expected sections of whole entries, found one that ends inside an entry");
   rows.scene_file = names[0], rows.ray_tracer = names[1];
   const auto hits = reader.bytes("REMH");
@@ -145,9 +155,19 @@ Result<void> read_all(const Reader& reader, RowsFile& rows) {
 }  // namespace
 
 std::vector<std::byte> encode_rows(const RowsFile& rows) {
+  const std::span<const std::byte> codes = rows.codes.first(rows.codes.size() - kCodePadding);
+  return encode_rows(rows, std::span(&codes, 1));
+}
+
+std::vector<std::byte> encode_rows(const RowsFile& rows, std::span<const std::span<const std::byte>> codes) {
+  constexpr std::array<std::byte, kCodePadding> kPadding{};
+  std::vector<std::span<const std::byte>> parts(codes.begin(), codes.end());
+  parts.emplace_back(kPadding);
+  std::size_t bytes = rows.samples.size() + rows.emitter_hits.size_bytes() + scene_bytes(rows);
+  for (const auto part : parts) bytes += part.size();
+  const auto any = [](const auto& values) { return values.empty() ? 0u : 1u; };
   SectionWriter writer;
-  writer.reserve(rows.codes.size() + rows.samples.size() + rows.emitter_hits.size_bytes() +
-                 (std::size_t{1} << 22));
+  writer.reserve(bytes, 11 + any(rows.views) + any(rows.ties) + any(rows.samples) + any(rows.emitter_hits));
   writer.add("RINF", kWhole, std::as_bytes(std::span(&rows.settings, 1)));
   writer.add("RNAM", kWhole, texts({rows.scene_file, rows.ray_tracer}));
   writer.add("RNOD", kWhole, texts(rows.nodes));
@@ -158,8 +178,9 @@ std::vector<std::byte> encode_rows(const RowsFile& rows) {
   writer.add_array("RTIE", kWhole, rows.ties);
   writer.add_array("RELM", kWhole, rows.element_keys);
   writer.add_array("RWHL", kWhole, rows.whole_elements);
+  writer.add("RVWS", kWhole, std::as_bytes(std::span(rows.views)), kSectionOptional);
   writer.add_array("RRCV", kWhole, rows.receivers);
-  writer.add("RCOD", kWhole, rows.codes);
+  writer.add_parts("RCOD", kWhole, parts);
   writer.add("RSMP", kWhole, rows.samples);
   writer.add("REMH", kWhole, std::as_bytes(rows.emitter_hits));
   return std::move(writer).finish();

@@ -66,18 +66,22 @@ struct RowsFile {
   std::vector<std::uint32_t> triangle_nodes;
   std::vector<std::uint8_t> ties;  ///< per triangle: RayCaster::ties
   std::vector<std::uint64_t> element_keys;
-  std::vector<std::uint8_t> whole_elements;    ///< per element: all of its light patches belong to it
-  std::vector<ReceiverRecord> receivers;       ///< ascending by identity
-  std::span<const std::byte> codes;            ///< of all receivers; kCodePadding bytes follow
-  std::span<const std::byte> samples;          ///< of all receivers; each begins a new byte
-  std::span<const EmitterHit> emitter_hits;    ///< of all receivers, of each ascending by ray
-  std::vector<std::byte> bytes, sample_bytes;  ///< that these three may point into
+  std::vector<std::uint8_t> whole_elements;  ///< per element: all of its light patches belong to it
+  std::vector<std::uint64_t> views;          ///< answers about surroundings (views.h), ascending
+  std::vector<ReceiverRecord> receivers;     ///< ascending by identity
+  std::span<const std::byte> codes;          ///< of all receivers; kCodePadding bytes follow
+  std::span<const std::byte> samples;        ///< of all receivers; each begins a new byte
+  std::span<const EmitterHit> emitter_hits;  ///< of all receivers, of each ascending by ray
+  std::vector<std::byte> bytes;              ///< that these three may point into
 
   RayCodes ray_codes() const { return {std::uint32_t(triangles.size()), std::uint32_t(element_keys.size())}; }
 };
 
 /// The bytes of a .rows file.
 std::vector<std::byte> encode_rows(const RowsFile& rows);
+
+/// The same with codes that lie elsewhere, in parts that follow each other; without the padding.
+std::vector<std::byte> encode_rows(const RowsFile& rows, std::span<const std::span<const std::byte>> codes);
 
 /// Verifies structure, checksums, sizes and order. `name` is used in messages.
 Result<RowsFile> decode_rows(std::vector<std::byte> bytes, const std::string& name);

@@ -83,8 +83,8 @@ std::vector<std::byte> RowsKeeper::finish(const PrecomputeReport& report) {
   file.triangle_keys = std::move(triangle_keys_), file.triangle_nodes = geometry.node;
   file.ties = caster_.ties();
   file.element_keys = std::move(element_keys_), file.whole_elements = std::move(whole_);
-  memory_.record->move_into(file);
-  return encode_rows(file);
+  file.views = surfaces_->views;
+  return memory_.record->encode(file);
 }
 
 }  // namespace relume

@@ -6,14 +6,10 @@
 
 #include "precompute/clip_grid.h"
 #include "precompute/elements.h"
-#include "precompute/mutual_visibility.h"
-#include "precompute/sampling.h"
+#include "precompute/views.h"
 
 namespace relume {
 namespace {
-
-/// Rays that decide whether a point lies inside other geometry; inside when more than half meet back faces.
-constexpr int kInsideRays = 16;
 
 /// Pieces of one sub-cell that agree in material and normal: what is told apart at most.
 struct Clump {
@@ -71,35 +67,10 @@ std::vector<Clump> cut_finely(const Geometry& geometry, const Chart& chart,
   return clumps;
 }
 
-bool inside_geometry(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& point) {
-  static const SobolPoints points(kInsideRays);
-  const Frame frame = frame_about(point.normal);
-  const glm::vec3 origin = point.position + point.normal * geometry.offset;
-  int back_faces = 0;
-  for (int first = 0; first < kInsideRays; first += kPacketSize) {
-    RayPacket packet;
-    for (int lane = 0; lane < kPacketSize; ++lane) {
-      const SamplePoint s = points.scrambled(std::uint32_t(first + lane), 1);
-      const glm::vec3 d = frame.to_world(cosine_direction(s[0], s[1]));
-      packet.origin_x[lane] = origin.x, packet.origin_y[lane] = origin.y, packet.origin_z[lane] = origin.z;
-      packet.direction_x[lane] = d.x, packet.direction_y[lane] = d.y, packet.direction_z[lane] = d.z;
-      packet.near[lane] = 0.0f, packet.far[lane] = std::numeric_limits<float>::infinity();
-    }
-    caster.closest_hits(packet);
-    for (int lane = 0; lane < kPacketSize; ++lane) {
-      const std::uint32_t t = packet.triangle[lane];
-      if (t == kNoTriangle) continue;
-      const glm::vec3 d(packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]);
-      back_faces += seen_surface(geometry, {t, packet.u[lane], packet.v[lane], Side::front}, d) ? 0 : 1;
-    }
-  }
-  return 2 * back_faces > kInsideRays;
-}
-
-bool connected(const Geometry& geometry, const RayCaster& caster, const Clump& a, const Clump& b) {
-  if (std::abs(a.x - b.x) > 1 || std::abs(a.y - b.y) > 1 || a.material != b.material) return false;
-  if (glm::dot(a.middle.normal, b.middle.normal) < 0.5f) return false;
-  return mutually_visible(geometry, caster, a.middle, b.middle);
+/// Whether they might be one, if they see each other.
+bool adjacent(const Clump& a, const Clump& b) {
+  return std::abs(a.x - b.x) <= 1 && std::abs(a.y - b.y) <= 1 && a.material == b.material &&
+         glm::dot(a.middle.normal, b.middle.normal) >= 0.5f;
 }
 
 std::size_t find_root(std::vector<std::size_t>& parents, std::size_t i) {
@@ -109,24 +80,21 @@ std::size_t find_root(std::vector<std::size_t>& parents, std::size_t i) {
 
 }  // namespace
 
-std::vector<std::vector<Piece>> split_cell(const Geometry& geometry, const Chart& chart,
-                                           const RayCaster& caster, const std::vector<Piece>& pieces,
-                                           std::uint64_t& occlusion_rays) {
+std::vector<std::vector<Piece>> split_cell(const Geometry& geometry, const Chart& chart, Views& views,
+                                           const std::vector<Piece>& pieces, std::uint64_t& rays) {
   std::vector<Clump> clumps = cut_finely(geometry, chart, pieces);
-  occlusion_rays += clumps.size() * kInsideRays;
   std::vector<Clump> outside;
   for (Clump& clump : clumps) {
-    if (!inside_geometry(geometry, caster, clump.middle)) outside.push_back(clump);
+    if (!views.inside(clump.middle, rays)) outside.push_back(clump);
   }
   if (!outside.empty()) clumps = std::move(outside);
   std::vector<std::size_t> parents(clumps.size());
   std::iota(parents.begin(), parents.end(), std::size_t{0});
   for (std::size_t a = 0; a < clumps.size(); ++a) {
     for (std::size_t b = a + 1; b < clumps.size(); ++b) {
-      if (find_root(parents, a) == find_root(parents, b) ||
-          !connected(geometry, caster, clumps[a], clumps[b]))
+      if (find_root(parents, a) == find_root(parents, b) || !adjacent(clumps[a], clumps[b]) ||
+          !views.see_each_other(clumps[a].middle, clumps[b].middle, rays))
         continue;
-      occlusion_rays += 3;
       const auto ra = find_root(parents, a), rb = find_root(parents, b);
       parents[std::max(ra, rb)] = std::min(ra, rb);
     }

@@ -219,11 +219,10 @@ class ImportTable {
   std::uint32_t column(std::uint32_t node) const {
     return column_[is_coarsened() ? stands_for_[node] : node];
   }
-  std::vector<std::uint16_t> columns(const CutTile& tile) const {
-    std::vector<std::uint16_t> columns(tile.nodes.size());
+  void columns(const CutTile& tile, std::vector<std::uint16_t>& columns) const {
+    columns.resize(tile.nodes.size());
     std::transform(tile.nodes.begin(), tile.nodes.end(), columns.begin(),
                    [&](std::uint32_t node) { return std::uint16_t(column_[node]); });
-    return columns;
   }
 
  private:
@@ -243,18 +242,39 @@ std::vector<std::uint32_t> packed_directions(const CutTile& tile) {
   return codes;
 }
 
-void append(const ImportTable& imports, const CutTile& given, bool shared, BlockMatrixBuilder& matrix) {
-  const CutTile coarser = imports.is_coarsened() ? imports.coarsened(given) : CutTile{};
-  const CutTile& tile = imports.is_coarsened() ? coarser : given;
-  std::vector<double> values;
-  for (const auto& row : tile.values) values.insert(values.end(), row.begin(), row.end());
-  const std::vector<std::uint32_t> directions = packed_directions(tile);
-  if (shared) {
-    matrix.append_tile(imports.columns(tile), values, std::uint32_t(tile.values.size()), directions);
-  } else {
-    matrix.append_row(imports.columns(tile), values, directions);
+/// Appends tiles, or rows, to a matrix.
+class Appender {
+ public:
+  Appender(const ImportTable& imports, bool shared, BlockMatrixBuilder& matrix)
+      : imports_(imports), shared_(shared), matrix_(matrix) {}
+
+  void operator()(const CutTile& given) {
+    if (imports_.is_coarsened()) {
+      append(imports_.coarsened(given));
+    } else {
+      append(given);
+    }
   }
-}
+
+ private:
+  void append(const CutTile& tile) {
+    imports_.columns(tile, columns_);
+    values_.clear();
+    for (const auto& row : tile.values) values_.insert(values_.end(), row.begin(), row.end());
+    const std::vector<std::uint32_t> directions = packed_directions(tile);
+    if (shared_) {
+      matrix_.append_tile(columns_, values_, std::uint32_t(tile.values.size()), directions);
+    } else {
+      matrix_.append_row(columns_, values_, directions);
+    }
+  }
+
+  const ImportTable& imports_;
+  bool shared_;
+  BlockMatrixBuilder& matrix_;
+  std::vector<std::uint16_t> columns_;  // their memory serves again
+  std::vector<double> values_;
+};
 
 /// Joins what the rows of the system see least until its columns can name the rest.
 void coarsen(const ModelParts& parts, const SystemRowGroups& groups, const std::vector<std::uint32_t>& leaves,
@@ -322,17 +342,11 @@ Result<void> store_system(const ModelParts& parts, ValueCodec codec, const Syste
   const auto columns = std::uint32_t(system.imports.size());
   const bool shared = !parts.tiles.empty();
   BlockMatrixBuilder bounce(columns, codec), gather(columns, codec);
-  tbb::parallel_invoke(
-      [&] {
-        visit_tiles(groups.clusters, leaves,
-                    [&](const CutTile& tile) { append(imports, tile, shared, bounce); });
-      },
-      [&] {
-        visit_tiles(groups.lumels, leaves,
-                    [&](const CutTile& tile) { append(imports, tile, shared, gather); });
-        visit_tiles(groups.sensors, leaves,
-                    [&](const CutTile& tile) { append(imports, tile, false, gather); });
-      });
+  tbb::parallel_invoke([&] { visit_tiles(groups.clusters, leaves, Appender(imports, shared, bounce)); },
+                       [&] {
+                         visit_tiles(groups.lumels, leaves, Appender(imports, shared, gather));
+                         visit_tiles(groups.sensors, leaves, Appender(imports, false, gather));
+                       });
   system.bounce = std::move(bounce).finish();
   system.gather = std::move(gather).finish();
   return {};

@@ -10,6 +10,7 @@
 #include "precompute/assemble_model.h"
 #include "precompute/geometry_keys.h"
 #include "precompute/rows_file.h"
+#include "precompute/views.h"
 
 namespace relume {
 namespace {
@@ -73,16 +74,18 @@ Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& optio
   std::optional<ElementNamer> namer;
   if (earlier != nullptr && earlier->change.comparable())
     namer.emplace(surfaces.geometry, earlier->triangle_keys, surfaces.charts, surfaces.layouts);
+  Views views(surfaces.geometry, caster, earlier != nullptr ? &earlier->change : nullptr, options.keep_rows);
   for (const AtlasLayout& layout : surfaces.layouts) {
     ClusteredSurface system;
     KnownCells known;
     if (namer) known = known_cells(earlier->change, *namer, layout.width);
     system.surface =
-        make_elements(surfaces.geometry, surfaces.charts, layout, caster, namer ? &known : nullptr);
+        make_elements(surfaces.geometry, surfaces.charts, layout, views, namer ? &known : nullptr);
     report.occlusion_rays += system.surface.occlusion_rays;
     surfaces.own_elements.push_back(own_elements(scene, surfaces.charts, system.surface));
     surfaces.systems.push_back(std::move(system));
   }
+  surfaces.views = views.take_answers();
   return surfaces;
 }
 

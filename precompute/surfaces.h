@@ -18,6 +18,7 @@ struct Surfaces {
   std::vector<AtlasLayout> layouts;
   std::vector<ClusteredSurface> systems;
   std::vector<std::vector<bool>> own_elements;  ///< per system and element: whether it is a lumel's own
+  std::vector<std::uint64_t> views;             ///< what was asked to cut them (views.h), where rows are kept
 
   std::uint32_t cluster_count() const { return systems.back().first_cluster + systems.back().cluster_count; }
 };

@@ -12,13 +12,23 @@
 #include "core/value_codec.h"
 
 namespace relume {
-namespace {
 
-struct EncodedRow {
+struct BlockMatrixBuilder::EncodedRow {
   std::vector<std::uint32_t> codes;  ///< one per value; f32: the bits of the float
   std::vector<double> unscaled;      ///< what the codes stand for
   float scale = 1.0f;
 };
+
+/// The rows of a tile, encoded, and which of its columns any of them needs.
+struct BlockMatrixBuilder::EncodedTile {
+  std::vector<EncodedRow> rows;
+  std::vector<std::uint32_t> entries;
+};
+
+namespace {
+
+using EncodedRow = BlockMatrixBuilder::EncodedRow;
+using EncodedTile = BlockMatrixBuilder::EncodedTile;
 
 float round_down_to_float(double value) {
   const float rounded = static_cast<float>(value);
@@ -83,44 +93,43 @@ float repaired_scale(const EncodedRow& row, ValueCodec codec, double target) {
   return scale;
 }
 
-EncodedRow encode_row(std::span<const double> values, ValueCodec codec) {
-  EncodedRow row;
+void encode_row(std::span<const double> values, ValueCodec codec, EncodedRow& row) {
   row.codes.resize(values.size());
   row.unscaled.resize(values.size());
   const double row_max = values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
   const bool dark = row_max < std::numeric_limits<float>::min();
-  double error = 0.0;
-  const auto encode = [&](double value) {
-    if (dark || codec == ValueCodec::f32) return f32_code(dark ? 0.0 : value);
-    if (codec == ValueCodec::unorm16) return unorm16_code(value / row_max);
-    return sqrt8_code(value / row_max, error);
+  double error = 0.0, sum = 0.0, sum_of_codes = 0.0;
+  const auto encode_all = [&](auto&& encode) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const Code code = encode(values[i]);
+      row.codes[i] = code.code;
+      row.unscaled[i] = code.unscaled;
+      sum += values[i], sum_of_codes += code.unscaled;
+    }
   };
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const Code code = encode(values[i]);
-    row.codes[i] = code.code;
-    row.unscaled[i] = code.unscaled;
+  if (dark || codec == ValueCodec::f32) {
+    encode_all([&](double value) { return f32_code(dark ? 0.0 : value); });
+  } else if (codec == ValueCodec::unorm16) {
+    encode_all([&](double value) { return unorm16_code(value / row_max); });
+  } else {
+    encode_all([&](double value) { return sqrt8_code(value / row_max, error); });
   }
-  const double target = std::min(1.0, std::accumulate(values.begin(), values.end(), 0.0));
-  row.scale = repaired_scale(row, codec, target);
-  return row;
+  const double target = std::min(1.0, sum);
+  // Floats add up in double to the same number, decoded either way.
+  const bool fits = codec == ValueCodec::f32 && sum_of_codes <= target;
+  row.scale = fits ? 1.0f : repaired_scale(row, codec, target);
 }
 
-/// The rows of a tile, encoded, and which of its columns any of them needs.
-struct EncodedTile {
-  std::vector<EncodedRow> rows;
-  std::vector<std::size_t> entries;
-};
-
-EncodedTile encode_tile(std::size_t row_count, std::size_t column_count, std::span<const double> values,
-                        ValueCodec codec) {
-  EncodedTile tile;
+void encode_tile(std::size_t row_count, std::size_t column_count, std::span<const double> values,
+                 ValueCodec codec, EncodedTile& tile) {
+  tile.rows.resize(row_count);
   for (std::size_t row = 0; row < row_count; ++row)
-    tile.rows.push_back(encode_row(values.subspan(row * column_count, column_count), codec));
+    encode_row(values.subspan(row * column_count, column_count), codec, tile.rows[row]);
+  tile.entries.clear();
   for (std::size_t entry = 0; entry < column_count; ++entry) {
     const auto uses = [entry](const EncodedRow& row) { return row.codes[entry] != 0; };
-    if (std::any_of(tile.rows.begin(), tile.rows.end(), uses)) tile.entries.push_back(entry);
+    if (std::any_of(tile.rows.begin(), tile.rows.end(), uses)) tile.entries.push_back(std::uint32_t(entry));
   }
-  return tile;
 }
 
 std::size_t tile_bytes(const EncodedTile& tile, std::uint32_t tile_rows, std::size_t bytes_of_value) {
@@ -131,7 +140,7 @@ std::size_t tile_bytes(const EncodedTile& tile, std::uint32_t tile_rows, std::si
 template <class Code>
 void write_codes(const EncodedTile& tile, std::uint32_t tile_rows, std::byte* out) {
   static_assert(std::endian::native == std::endian::little);
-  for (const std::size_t entry : tile.entries) {
+  for (const std::uint32_t entry : tile.entries) {
     for (std::size_t lane = 0; lane < tile.rows.size(); ++lane) {
       const auto code = static_cast<Code>(tile.rows[lane].codes[entry]);
       std::memcpy(out + lane * sizeof code, &code, sizeof code);
@@ -157,7 +166,7 @@ void append_directions(const EncodedTile& tile, std::span<const std::uint32_t> d
   const std::size_t columns = directions.size() / tile.rows.size();
   std::size_t out = block.directions.size();
   block.directions.resize(out + tile.entries.size() * block.tile_rows);
-  for (const std::size_t entry : tile.entries) {
+  for (const std::uint32_t entry : tile.entries) {
     for (std::size_t lane = 0; lane < tile.rows.size(); ++lane) {
       if (tile.rows[lane].codes[entry] != 0)
         block.directions[out + lane] = directions[lane * columns + entry];
@@ -195,9 +204,11 @@ std::size_t block_bytes(const MatrixBlock& block) {
 }
 
 BlockMatrixBuilder::BlockMatrixBuilder(std::uint32_t columns, ValueCodec codec, std::size_t max_block_bytes)
-    : codec_(codec), max_block_bytes_(max_block_bytes) {
+    : codec_(codec), max_block_bytes_(max_block_bytes), tile_(std::make_unique<EncodedTile>()) {
   matrix_.columns = columns;
 }
+BlockMatrixBuilder::BlockMatrixBuilder(BlockMatrixBuilder&&) noexcept = default;
+BlockMatrixBuilder::~BlockMatrixBuilder() = default;
 
 void BlockMatrixBuilder::append_row(std::span<const std::uint16_t> columns, std::span<const double> values,
                                     std::span<const std::uint32_t> directions) {
@@ -214,7 +225,8 @@ void BlockMatrixBuilder::append(std::span<const std::uint16_t> columns, std::spa
                                 std::uint32_t tile_rows) {
   assert(directions.empty() || directions.size() == values.size());
   assert(columns.size() * row_count == values.size() && row_count >= 1 && row_count <= tile_rows);
-  const EncodedTile tile = encode_tile(row_count, columns.size(), values, codec_);
+  EncodedTile& tile = *tile_;
+  encode_tile(row_count, columns.size(), values, codec_, tile);
   const std::size_t bytes_of_direction = directions.empty() ? 0 : sizeof(std::uint32_t);
   if (!fits(tile_rows, tile_bytes(tile, tile_rows, value_bytes(codec_) + bytes_of_direction))) {
     MatrixBlock& fresh = matrix_.blocks.emplace_back();
@@ -224,7 +236,7 @@ void BlockMatrixBuilder::append(std::span<const std::uint16_t> columns, std::spa
     fresh.tile_offsets.push_back(0);
   }
   MatrixBlock& block = matrix_.blocks.back();
-  for (const std::size_t entry : tile.entries) block.columns.push_back(columns[entry]);
+  for (const std::uint32_t entry : tile.entries) block.columns.push_back(columns[entry]);
   append_values(tile, block);
   append_directions(tile, directions, block);
   block.tile_offsets.push_back(static_cast<std::uint32_t>(block.columns.size()));

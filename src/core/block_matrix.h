@@ -18,6 +18,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -84,6 +85,8 @@ std::size_t block_bytes(const MatrixBlock& block);
 class BlockMatrixBuilder {
  public:
   BlockMatrixBuilder(std::uint32_t columns, ValueCodec codec, std::size_t max_block_bytes = kMaxBlockBytes);
+  BlockMatrixBuilder(BlockMatrixBuilder&&) noexcept;
+  ~BlockMatrixBuilder();
 
   /// `columns` ascending and below the matrix's column count, `values` finite, >= 0 and summing to <= 1 up to
   /// rounding, of equal length. Zero values are not stored. A tile of R = 1. `directions`: codes of
@@ -98,6 +101,9 @@ class BlockMatrixBuilder {
 
   BlockMatrix finish() &&;
 
+  struct EncodedRow;
+  struct EncodedTile;
+
  private:
   void append(std::span<const std::uint16_t> columns, std::span<const double> values,
               std::span<const std::uint32_t> directions, std::uint32_t row_count, std::uint32_t tile_rows);
@@ -107,6 +113,7 @@ class BlockMatrixBuilder {
   BlockMatrix matrix_;
   ValueCodec codec_;
   std::size_t max_block_bytes_;
+  std::unique_ptr<EncodedTile> tile_;  ///< its memory serves again
 };
 
 /// The decoded view of any block format (R = 1 and 8, all codecs). Entries of a tile that are zero for a row

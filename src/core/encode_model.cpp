@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <cstring>
+#include <array>
 
 #include "core/model_file.h"
 #include "core/model_sections.h"
@@ -13,7 +13,6 @@ using namespace sections;
 /// Values and strings one after the other, without padding. A string is its length in 32 bits and its bytes.
 class ByteWriter {
  public:
-  void reserve(std::size_t bytes) { bytes_.reserve(bytes); }
   template <class T>
   void put(const T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -22,11 +21,6 @@ class ByteWriter {
   void put(const std::string& text) {
     put(static_cast<std::uint32_t>(text.size()));
     append(std::as_bytes(std::span(text)));
-  }
-  template <class T>
-  void put_padded(const std::vector<T>& values) {
-    append(std::as_bytes(std::span(values)));
-    bytes_.resize((bytes_.size() + 3) / 4 * 4);
   }
   std::span<const std::byte> bytes() const { return bytes_; }
 
@@ -122,19 +116,26 @@ void add_occluders(const Occluders& occluders, SectionWriter& file) {
   file.add_array(kBvhTriangles, kNone, occluders.bvh.triangles);
 }
 
+/// Without a copy in between: matrices are most of the file.
 void add_matrix(const BlockMatrix& matrix, std::string_view id, std::uint32_t owner, SectionWriter& file) {
+  constexpr std::array<std::byte, 4> kZeros{};
   for (const MatrixBlock& block : matrix.blocks) {
-    ByteWriter bytes;
-    bytes.reserve(block_bytes(block) + 64);
-    bytes.put(BlockHeader{block.first_row, block.row_count, block.tile_rows,
-                          static_cast<std::uint32_t>(block.codec),
-                          static_cast<std::uint32_t>(block.tile_offsets.size()),
-                          static_cast<std::uint32_t>(block.columns.size())});
-    bytes.put_padded(block.tile_offsets);
-    bytes.put_padded(block.columns);
-    bytes.put_padded(block.values);
-    bytes.put_padded(block.row_scales);
-    file.add(id, owner, bytes.bytes());
+    const BlockHeader header{block.first_row,
+                             block.row_count,
+                             block.tile_rows,
+                             static_cast<std::uint32_t>(block.codec),
+                             static_cast<std::uint32_t>(block.tile_offsets.size()),
+                             static_cast<std::uint32_t>(block.columns.size())};
+    std::vector<std::span<const std::byte>> parts{std::as_bytes(std::span(&header, 1))};
+    const auto add_padded = [&](std::span<const std::byte> bytes) {
+      parts.push_back(bytes);
+      parts.push_back(std::span(kZeros).first((4 - bytes.size() % 4) % 4));
+    };
+    add_padded(std::as_bytes(std::span(block.tile_offsets)));
+    add_padded(std::as_bytes(std::span(block.columns)));
+    add_padded(std::as_bytes(std::span(block.values)));
+    add_padded(std::as_bytes(std::span(block.row_scales)));
+    file.add_parts(id, owner, parts);
   }
 }
 
@@ -165,6 +166,16 @@ void add_system(const System& system, std::uint32_t index, SectionWriter& file) 
     file.add(kGatherDirections, index, std::as_bytes(std::span(block.directions)), kSectionOptional);
 }
 
+/// Of a model, and of each of its systems, beside their blocks; about.
+constexpr std::size_t kModelSections = 24, kSystemSections = 16;
+
+std::size_t likely_sections(const Model& model) {
+  std::size_t sections = kModelSections;
+  for (const System& system : model.systems)
+    sections += kSystemSections + system.bounce.blocks.size() + system.gather.blocks.size();
+  return sections;
+}
+
 /// About what a model's file takes: matrices, and the most of the rest.
 std::size_t likely_bytes(const Model& model) {
   constexpr std::size_t kSlack = 1u << 16, kPerTriangle = 128, kPerPosition = 12;
@@ -186,7 +197,7 @@ std::size_t likely_bytes(const Model& model) {
 
 std::vector<std::byte> encode_model(const Model& model) {
   SectionWriter file;
-  file.reserve(likely_bytes(model));
+  file.reserve(likely_bytes(model), likely_sections(model));
   add_info(model, file);
   file.add_array(kSkyCells, kNone, model.sky_cells);
   file.add_array(kSkyTree, kNone, model.sky_tree.nodes);

@@ -14,6 +14,19 @@ namespace {
 constexpr double kMaxSolidAngle = 4.0 * kPi / 1024.0;
 constexpr double kPatchesOfCone = 64.0;
 
+TriangleCorners piece_corners(const Model& model, const SurfacePiece& piece) {
+  const auto& triangle = model.occluders.triangles[piece.triangle];
+  const glm::dvec3 p0 = model.occluders.positions[triangle[0]];
+  const glm::dvec3 edge_u = glm::dvec3(model.occluders.positions[triangle[1]]) - p0;
+  const glm::dvec3 edge_v = glm::dvec3(model.occluders.positions[triangle[2]]) - p0;
+  TriangleCorners corners;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const glm::dvec2 at(piece.corners[k]);
+    corners[k] = p0 + edge_u * at.x + edge_v * at.y;
+  }
+  return corners;
+}
+
 }  // namespace
 
 std::uint32_t element_key(const SurfaceElement& element) {
@@ -36,10 +49,7 @@ LightPatch whole_piece(const Model& model, const System& system, const SurfaceEl
   const glm::dvec3 edge_u = glm::dvec3(model.occluders.positions[triangle[1]]) - p0;
   const glm::dvec3 edge_v = glm::dvec3(model.occluders.positions[triangle[2]]) - p0;
   LightPatch whole;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const glm::dvec2 at(piece.corners[k]);
-    whole.corners[k] = p0 + edge_u * at.x + edge_v * at.y;
-  }
+  whole.corners = piece_corners(model, piece);
   const glm::dvec3 cross = glm::cross(edge_u, edge_v);
   const double length = glm::length(cross);
   const Side side = system.clusters[element.cluster].side;
@@ -66,6 +76,16 @@ LightPatch patch_of_piece(const LightPatch& piece, int rows, int index) {
   patch.corners = {corner, corner + along, corner + across};
   if (left % 2 != 0) patch.corners = {corner + along + across, corner + across, corner + along};
   return patch;
+}
+
+std::size_t count_element_patches(const Model& model, const System& system, const SurfaceElement& element) {
+  std::size_t count = 0;
+  for (std::uint32_t p = 0; p < element.piece_count; ++p) {
+    const TriangleCorners corners = piece_corners(model, system.pieces[element.first_piece + p]);
+    const int rows = patch_rows(area_of(corners), element.area);
+    count += std::size_t(rows * rows);
+  }
+  return count;
 }
 
 std::vector<LightPatch> element_patches(const Model& model, const System& system,

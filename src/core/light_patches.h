@@ -64,6 +64,8 @@ LightPatch patch_of_piece(const LightPatch& piece, int rows, int index);
 /// All patches of an element, piece by piece, those that do not belong to it included.
 std::vector<LightPatch> element_patches(const Model& model, const System& system,
                                         const SurfaceElement& element);
+/// How many those are.
+std::size_t count_element_patches(const Model& model, const System& system, const SurfaceElement& element);
 
 /// What direct light of an element is sampled by.
 struct ElementPatches {

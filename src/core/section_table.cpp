@@ -115,19 +115,42 @@ std::string describe(const SectionRecord& record) {
   return fmt::format("'{}' {} at byte {}", id, owner, record.offset);
 }
 
+void SectionWriter::reserve(std::size_t bytes, std::size_t sections) {
+  head_ = align_up(sizeof(FileHeader) + sections * sizeof(SectionRecord));
+  file_.reserve(head_ + bytes);
+  file_.resize(head_);
+}
+
 void SectionWriter::add(std::string_view id, std::uint32_t owner, std::span<const std::byte> bytes,
                         std::uint32_t flags) {
-  assert(id.size() == 4);
-  if (bytes.empty()) return;
   SectionRecord record;
+  assert(id.size() == record.id.size());
   std::copy(id.begin(), id.end(), record.id.begin());
   record.owner = owner;
   record.flags = flags;
-  record.offset = align_up(body_.size());
-  record.length = bytes.size();
   record.checksum = checksum_of(bytes);
-  body_.resize(record.offset);
-  body_.insert(body_.end(), bytes.begin(), bytes.end());
+  append(record, std::span(&bytes, 1));
+}
+
+void SectionWriter::add_parts(std::string_view id, std::uint32_t owner,
+                              std::span<const std::span<const std::byte>> parts) {
+  SectionRecord record;
+  assert(id.size() == record.id.size());
+  std::copy(id.begin(), id.end(), record.id.begin());
+  record.owner = owner;
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  for (const auto part : parts) XXH3_64bits_update(&state, part.data(), part.size());
+  record.checksum = XXH3_64bits_digest(&state);
+  append(record, parts);
+}
+
+void SectionWriter::append(SectionRecord record, std::span<const std::span<const std::byte>> parts) {
+  for (const auto part : parts) record.length += part.size();
+  if (record.length == 0) return;
+  record.offset = align_up(file_.size() - head_);
+  file_.resize(head_ + record.offset);
+  for (const auto part : parts) file_.insert(file_.end(), part.begin(), part.end());
   records_.push_back(record);
 }
 
@@ -136,15 +159,15 @@ std::vector<std::byte> SectionWriter::finish() && {
   header.section_count = static_cast<std::uint32_t>(records_.size());
   const std::uint64_t table_end = sizeof header + records_.size() * sizeof(SectionRecord);
   const std::uint64_t body_begin = align_up(table_end);
+  if (body_begin > head_) file_.insert(file_.begin(), body_begin - head_, std::byte{0});
+  if (body_begin < head_) file_.erase(file_.begin(), file_.begin() + std::ptrdiff_t(head_ - body_begin));
   for (SectionRecord& record : records_) record.offset += body_begin;
-  header.file_bytes = body_begin + body_.size();
+  header.file_bytes = file_.size();
   header.checksum = table_checksum(header, records_);
-
-  body_.insert(body_.begin(), body_begin, std::byte{0});
-  std::memcpy(body_.data(), &header, sizeof header);
+  std::memcpy(file_.data(), &header, sizeof header);
   if (!records_.empty())
-    std::memcpy(body_.data() + sizeof header, records_.data(), table_end - sizeof header);
-  return std::move(body_);
+    std::memcpy(file_.data() + sizeof header, records_.data(), table_end - sizeof header);
+  return std::move(file_);
 }
 
 std::uint64_t table_bytes(const FileHeader& header) {

@@ -57,11 +57,15 @@ std::string describe(const SectionRecord& record);
 /// Collects sections and lays out the file. Empty sections are left out.
 class SectionWriter {
  public:
-  /// Room for about so many bytes, so that they need not be moved while they grow.
-  void reserve(std::size_t bytes) { body_.reserve(bytes); }
+  /// Before anything is added: room for about so many bytes in so many sections, so that they need not be
+  /// moved while they grow.
+  void reserve(std::size_t bytes, std::size_t sections);
 
   void add(std::string_view id, std::uint32_t owner, std::span<const std::byte> bytes,
            std::uint32_t flags = 0);
+
+  /// One section of parts that follow each other.
+  void add_parts(std::string_view id, std::uint32_t owner, std::span<const std::span<const std::byte>> parts);
 
   template <class T>
   void add_array(std::string_view id, std::uint32_t owner, const std::vector<T>& values) {
@@ -73,8 +77,11 @@ class SectionWriter {
   std::vector<std::byte> finish() &&;
 
  private:
-  std::vector<SectionRecord> records_;
-  std::vector<std::byte> body_;
+  void append(SectionRecord record, std::span<const std::span<const std::byte>> parts);
+
+  std::vector<SectionRecord> records_;  ///< offsets from the end of the head
+  std::vector<std::byte> file_;
+  std::size_t head_ = 0;  ///< bytes left free for header and table
 };
 
 /// Bytes of header and table of a file that begins with `header`.

@@ -28,12 +28,12 @@ void say_update(const PrecomputeReport& report, Console& console) {
                           nodes.size() > shown ? fmt::format(" and {} more", nodes.size() - shown) : ""));
 }
 
-void say_report(const PrecomputeArguments& arguments, const PrecomputeReport& report, const Model& model,
-                std::uint64_t file_bytes, Console& console) {
+void say_report(const PrecomputeArguments& arguments, const PrecomputeReport& report,
+                const ModelSummary& summary, std::uint64_t file_bytes, Console& console) {
   console.say(fmt::format("{}: {:.1f} MB in {:.1f} s, {:.1f} million rays", arguments.output.string(),
                           1e-6 * static_cast<double>(file_bytes), report.seconds_total,
                           1e-6 * static_cast<double>(report.rays + report.occlusion_rays)));
-  for (const std::string& line : summary_lines(summarise_model(model))) console.say("  " + line);
+  for (const std::string& line : summary_lines(summary)) console.say("  " + line);
   const bool by_clearance = arguments.options.error > 0.0 && arguments.options.cluster_size <= 0.0;
   console.say(fmt::format("  --texel-size {:.3g} {} (m)", report.texel_size,
                           by_clearance ? "and clusters as small as the error asks for"
@@ -67,9 +67,9 @@ JsonValue projection_json(const std::optional<Projection>& projection) {
 }
 
 JsonObject report_json(const PrecomputeArguments& arguments, const PrecomputeReport& report,
-                       const Model& model, std::uint64_t file_bytes) {
+                       const ModelSummary& summary, std::uint64_t file_bytes) {
   JsonObject object{{"file", arguments.output}};
-  for (auto& member : summary_json(summarise_model(model), file_bytes)) object.push_back(std::move(member));
+  for (auto& member : summary_json(summary, file_bytes)) object.push_back(std::move(member));
   object.insert(object.end(), {{"texel_size", report.texel_size},
                                {"cluster_size", report.cluster_size},
                                {"rays", report.rays},
@@ -241,8 +241,9 @@ Result<int> run(const PrecomputeArguments& arguments, Console& console) {
   if (arguments.dry_run) return run_dry(arguments, console);
   const Result<PrecomputedFile> file = precompute_to_file(arguments, console);
   if (!file) return tl::unexpected(file.error());
-  say_report(arguments, file->report, file->model, file->bytes, console);
-  console.finish(report_json(arguments, file->report, file->model, file->bytes));
+  const ModelSummary summary = summarise_model(file->model);
+  say_report(arguments, file->report, summary, file->bytes, console);
+  console.finish(report_json(arguments, file->report, summary, file->bytes));
   return 0;
 }
 

@@ -13,6 +13,7 @@
 #include "precompute/elements.h"
 #include "precompute/geometry.h"
 #include "precompute/precompute.h"
+#include "precompute/views.h"
 #include "support/scene_builder.h"
 
 namespace relume {
@@ -27,7 +28,8 @@ struct Surfaces {
         caster(*make_caster(geometry)),
         charts(make_charts(scene, geometry, texel_size, warnings)),
         layout(lay_out_systems(scene, geometry, charts, caster, {}, warnings)->front()),
-        surface(make_elements(geometry, charts, layout, caster)),
+        views(geometry, caster),
+        surface(make_elements(geometry, charts, layout, views)),
         cluster(make_clusters(geometry, charts, layout, surface, caster, texel_sizes(scene, texel_size),
                               {cluster_size, 0.0, {}})) {}
 
@@ -44,6 +46,7 @@ struct Surfaces {
   RayCaster caster;
   std::vector<Chart> charts;
   AtlasLayout layout;
+  Views views;
   SystemSurface surface;
   std::vector<std::uint32_t> cluster;
 };
