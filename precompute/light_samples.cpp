@@ -14,7 +14,7 @@
 #include "core/ray_offset.h"
 #include "precompute/embree_bvh.h"
 #include "precompute/lift_sensor.h"
-#include "precompute/mutual_visibility.h"
+#include "precompute/views.h"
 
 namespace relume {
 namespace {
@@ -22,8 +22,25 @@ namespace {
 /// Per element, per patch.
 using OwnPatches = std::vector<std::vector<bool>>;
 
-OwnPatches find_own_patches(const Geometry& geometry, const RayCaster& caster, const Model& model,
-                            const System& system, std::vector<std::uint8_t>& whole) {
+/// Of an element that may have patches behind walls. Where all are its own, none of the answers is kept: it
+/// will be known that they were.
+std::vector<bool> ask_patches(const SurfaceElement& element, const std::vector<LightPatch>& patches,
+                              Views& views) {
+  const SurfacePoint middle{element.position, element.normal};
+  std::vector<SurfacePoint> points;
+  std::vector<bool> own;
+  std::uint64_t rays = 0;
+  for (const LightPatch& patch : patches) {
+    points.push_back({glm::vec3(patch_point(patch)), glm::vec3(patch.normal)});
+    own.push_back(views.ask(middle, points.back(), rays));
+  }
+  if (std::all_of(own.begin(), own.end(), [](bool owned) { return owned; })) return own;
+  for (std::size_t p = 0; p < points.size(); ++p) views.keep(middle, points[p], own[p]);
+  return own;
+}
+
+OwnPatches find_own_patches(const Model& model, const System& system, Views& views,
+                            std::vector<std::uint8_t>& whole) {
   OwnPatches own(system.elements.size());
   whole.resize(own.size(), 0);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, own.size(), 64), [&](const auto& range) {
@@ -33,10 +50,7 @@ OwnPatches find_own_patches(const Geometry& geometry, const RayCaster& caster, c
         own[e].assign(count_element_patches(model, system, element), true);
         continue;
       }
-      for (const LightPatch& patch : element_patches(model, system, element)) {
-        const SurfacePoint point{glm::vec3(patch_point(patch)), glm::vec3(patch.normal)};
-        own[e].push_back(mutually_visible(geometry, caster, {element.position, element.normal}, point));
-      }
+      own[e] = ask_patches(element, element_patches(model, system, element), views);
       whole[e] = std::all_of(own[e].begin(), own[e].end(), [](bool owned) { return owned; }) ? 1 : 0;
     }
   });
@@ -83,7 +97,7 @@ Geometry occluder_geometry(const Model& model) {
   return geometry;
 }
 
-Result<void> add_light_samples(const Geometry& geometry, const RayCaster& caster, Model& model,
+Result<void> add_light_samples(const Geometry& geometry, const RayCaster& caster, Model& model, Views& views,
                                WholeElements& whole) {
   whole.resize(model.systems.size());
   const Occluders& occluders = model.occluders;
@@ -92,7 +106,7 @@ Result<void> add_light_samples(const Geometry& geometry, const RayCaster& caster
   model.occluders.bvh = std::move(*bvh);
   for (std::size_t s = 0; s < model.systems.size(); ++s) {
     System& system = model.systems[s];
-    system.own_patches = as_bits(find_own_patches(geometry, caster, model, system, whole[s]));
+    system.own_patches = as_bits(find_own_patches(model, system, views, whole[s]));
     system.lifted_sensors.clear();
     for (const Sensor& sensor : system.sensors) {
       system.lifted_sensors.push_back(
@@ -106,8 +120,10 @@ Result<void> add_light_samples(Model& model) {
   const auto caster =
       RayCaster::create(model.occluders.positions, model.occluders.triangles, model.occluders.opacity);
   if (!caster) return tl::unexpected(caster.error());
+  const Geometry geometry = occluder_geometry(model);
+  Views views(geometry, *caster);
   WholeElements whole;
-  return add_light_samples(occluder_geometry(model), *caster, model, whole);
+  return add_light_samples(geometry, *caster, model, views, whole);
 }
 
 }  // namespace relume

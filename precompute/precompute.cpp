@@ -24,6 +24,7 @@
 #include "precompute/rig.h"
 #include "precompute/rows_keeper.h"
 #include "precompute/trace_rows.h"
+#include "precompute/views.h"
 
 namespace relume {
 namespace {
@@ -244,9 +245,10 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
   if (!probes.empty()) model->probe_volume = without_invalid_probes(volume, rows->probes.rows);
   WholeElements whole;
   if (keeper != nullptr) whole = keeper->known_whole(rows->orders);
-  if (auto added = add_light_samples(surfaces.geometry, caster, *model, whole); !added)
+  Views views(surfaces.geometry, caster, keeper != nullptr ? keeper->change() : nullptr, options.keep_rows);
+  if (auto added = add_light_samples(surfaces.geometry, caster, *model, views, whole); !added)
     return tl::unexpected(added.error());
-  if (keeper != nullptr) keeper->keep_whole(rows->orders, whole);
+  if (keeper != nullptr) keeper->keep_whole(rows->orders, whole, views.take_answers());
   light_model(scene, surfaces.geometry, caster, *model, report.warnings);
   if (!scene.cameras.empty()) model->camera = scene.cameras.front();
   model->provenance = {scene.file_name, "relume 0.1.0", caster.description(),

@@ -8,6 +8,10 @@
 namespace relume {
 namespace {
 
+/// Receivers are traced side by side: what one of them finds out about whole senders serves those around it,
+/// as far away as this many times its reach.
+constexpr float kVantage = 6.0f;
+
 bool before(const EmitterHit& hit, std::uint32_t ray) {
   return hit.ray < ray;
 }
@@ -41,13 +45,16 @@ void RayRecall::begin(std::uint64_t identity, const Receiver& receiver, std::uin
                       std::uint32_t samples) {
   if (memory_.record) open_record(identity, rays, samples);
   old_.reset();
-  ++receivers_;
   if (memory_.kept == nullptr) return;
   // Whether an origin belongs to a walled receiver depends on what stands around it.
   const bool moved = receiver.walled() &&
                      memory_.kept->change().disturbed(receiver.middle().position, 3.0f * receiver.reach());
   if (!moved) old_ = memory_.kept->find(identity);
   middle_ = receiver.middle().position, reach_ = receiver.reach();
+  if (!(glm::length(middle_ - vantage_.middle) + reach_ <= vantage_.radius) || vantages_ == 0) {
+    vantage_ = {middle_, kVantage * reach_};
+    ++vantages_;
+  }
   old_samples_ = memory_.kept->emitters() == memory_.emitters;
   faces_changes_ = memory_.kept->change().added().has_value() && faces_changes(receiver);
 }
@@ -113,9 +120,10 @@ std::uint32_t RayRecall::known_place(std::uint32_t code, std::uint32_t& sender) 
 /// Whether nothing new can stand before any of a sender, seen from the receiver.
 bool RayRecall::stands_clear_of(std::uint32_t sender) {
   std::uint32_t& clear = clear_senders_[sender];
-  if (clear / 2 != receivers_)
-    clear = 2 * receivers_ +
-            (memory_.kept->stands_clear(middle_, reach_, memory_.senders.balls[sender]) ? 1u : 0u);
+  if (clear / 2 != vantages_) {
+    const Ball& ball = memory_.senders.balls[sender];
+    clear = 2 * vantages_ + (memory_.kept->stands_clear(vantage_.middle, vantage_.radius, ball) ? 1u : 0u);
+  }
   return clear % 2 != 0;
 }
 

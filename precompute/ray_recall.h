@@ -80,12 +80,13 @@ class RayRecall {
   bool blank_ = false;           ///< nothing was in known_
   std::size_t sorted_hits_ = 0;  ///< of known_
   std::optional<OldRays> old_;
-  bool old_samples_ = false;                  ///< are of the same emitters
-  bool faces_changes_ = true;                 ///< rays may meet what was added
-  glm::vec3 middle_{0.0f};                    ///< of the receiver
-  float reach_ = 0.0f;                        ///< m, from there to the origins of its rays
-  std::uint32_t receivers_ = 0;               ///< so many began
-  std::vector<std::uint32_t> clear_senders_;  ///< twice receivers_, when last asked, and 1 for yes
+  bool old_samples_ = false;    ///< are of the same emitters
+  bool faces_changes_ = true;   ///< rays may meet what was added
+  glm::vec3 middle_{0.0f};      ///< of the receiver
+  float reach_ = 0.0f;          ///< m, from there to the origins of its rays
+  Ball vantage_{};              ///< holds the origins of all rays of the receiver, and of others around it
+  std::uint32_t vantages_ = 0;  ///< so many there were
+  std::vector<std::uint32_t> clear_senders_;  ///< twice vantages_, when last asked, and 1 for yes
   std::uint64_t kept_rays_ = 0, kept_samples_ = 0;
 };
 

@@ -79,18 +79,40 @@ struct EnclosedGrid {
   }
 };
 
-/// No more rays than it takes to know.
-bool is_enclosed(const Geometry& geometry, const RayCaster& caster, const glm::vec3& point,
-                 const std::array<glm::vec3, kDirections>& directions) {
-  static_assert(kDirections % kPacketSize == 0);
-  int escaped = 0, back = 0;
-  for (std::size_t first = 0; first < directions.size(); first += kPacketSize) {
-    std::array<Met, kPacketSize> met;
-    look(geometry, caster, point, std::span(directions).subspan(first, kPacketSize), met);
-    for (const Met& m : met) escaped += m.escaped ? 1 : 0, back += m.back_face ? 1 : 0;
-    if (escaped > kMaxEscapes * kDirections || back > kMaxBackFaces * kDirections) return false;
+/// Of so many neighbours along a row of the grid. Rays of one direction go together, for they are traced
+/// quicker so; no more than it takes to know.
+void find_enclosed(const Geometry& geometry, const RayCaster& caster,
+                   const std::array<glm::vec3, kDirections>& directions, std::size_t first, std::size_t count,
+                   EnclosedGrid& grid) {
+  std::array<int, kPacketSize> escaped{}, back{};
+  const auto open = [&](std::size_t i) {
+    return escaped[i] > kMaxEscapes * kDirections || back[i] > kMaxBackFaces * kDirections;
+  };
+  for (const glm::vec3& d : directions) {
+    RayPacket packet{};
+    packet.far.fill(-1.0f);
+    bool any = false;
+    for (std::size_t i = 0; i < std::size_t(kPacketSize); ++i) {
+      const glm::vec3 from = grid.point(first + std::min(i, count - 1));
+      packet.origin_x[i] = from.x, packet.origin_y[i] = from.y, packet.origin_z[i] = from.z;
+      packet.direction_x[i] = d.x, packet.direction_y[i] = d.y, packet.direction_z[i] = d.z;
+      if (i >= count || open(i)) continue;
+      packet.far[i] = std::numeric_limits<float>::infinity();
+      any = true;
+    }
+    if (!any) break;
+    const RayPacket::Floats far = packet.far;
+    caster.closest_hits(packet, RaySpread::narrow);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (far[i] < 0.0f) continue;
+      const std::uint32_t triangle = packet.triangle[i];
+      escaped[i] += triangle == kNoTriangle ? 1 : 0;
+      if (triangle != kNoTriangle &&
+          !seen_surface(geometry, {triangle, packet.u[i], packet.v[i], Side::front}, d))
+        ++back[i];
+    }
   }
-  return true;
+  for (std::size_t i = 0; i < count; ++i) grid.enclosed[first + i] = open(i) ? 0 : 1;
 }
 
 EnclosedGrid find_enclosed(const Geometry& geometry, const RayCaster& caster) {
@@ -103,8 +125,11 @@ EnclosedGrid find_enclosed(const Geometry& geometry, const RayCaster& caster) {
   std::array<glm::vec3, kDirections> directions;
   for (int i = 0; i < kDirections; ++i) directions[std::size_t(i)] = sphere_direction(i, kDirections);
   grid.enclosed.assign(std::size_t(grid.size.x) * std::size_t(grid.size.y) * std::size_t(grid.size.z), 0);
-  tbb::parallel_for(std::size_t{0}, grid.enclosed.size(), [&](std::size_t i) {
-    grid.enclosed[i] = is_enclosed(geometry, caster, grid.point(i), directions) ? 1 : 0;
+  const std::size_t packets = (grid.enclosed.size() + kPacketSize - 1) / kPacketSize;
+  tbb::parallel_for(std::size_t{0}, packets, [&](std::size_t p) {
+    const std::size_t first = p * kPacketSize;
+    find_enclosed(geometry, caster, directions, first,
+                  std::min<std::size_t>(kPacketSize, grid.enclosed.size() - first), grid);
   });
   return grid;
 }

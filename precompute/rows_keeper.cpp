@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "precompute/rows_keeper.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include "precompute/geometry_keys.h"
 
 namespace relume {
@@ -54,8 +57,9 @@ WholeElements RowsKeeper::known_whole(const std::vector<std::vector<std::uint32_
   return whole;
 }
 
-void RowsKeeper::keep_whole(const std::vector<std::vector<std::uint32_t>>& orders,
-                            const WholeElements& whole) {
+void RowsKeeper::keep_whole(const std::vector<std::vector<std::uint32_t>>& orders, const WholeElements& whole,
+                            std::vector<std::uint64_t> views) {
+  patch_views_ = std::move(views);
   whole_.assign(element_keys_.size(), 0);
   std::uint32_t first = 0;
   for (std::size_t s = 0; s < orders.size(); ++s) {
@@ -83,7 +87,8 @@ std::vector<std::byte> RowsKeeper::finish(const PrecomputeReport& report) {
   file.triangle_keys = std::move(triangle_keys_), file.triangle_nodes = geometry.node;
   file.ties = caster_.ties();
   file.element_keys = std::move(element_keys_), file.whole_elements = std::move(whole_);
-  file.views = surfaces_->views;
+  std::set_union(surfaces_->views.begin(), surfaces_->views.end(), patch_views_.begin(), patch_views_.end(),
+                 std::back_inserter(file.views));
   return memory_.record->encode(file);
 }
 

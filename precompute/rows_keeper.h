@@ -27,11 +27,15 @@ class RowsKeeper {
   /// Once they are cut; borrows both. Fails as KeptRays::compare does.
   Result<void> follow(const Surfaces& surfaces, const SenderLookup& lookup, const PrecomputeReport& report);
 
+  /// Since the old rows; nothing without.
+  const SceneChange* change() const { return change_ ? &*change_ : nullptr; }
   RayMemory& memory() { return memory_; }
   /// Elements whose light patches are known to be all their own, in the `orders` in which the model has
   /// elements; and what has been found.
   WholeElements known_whole(const std::vector<std::vector<std::uint32_t>>& orders) const;
-  void keep_whole(const std::vector<std::vector<std::uint32_t>>& orders, const WholeElements& whole);
+  /// Of the others, `views` are the answers about their patches.
+  void keep_whole(const std::vector<std::vector<std::uint32_t>>& orders, const WholeElements& whole,
+                  std::vector<std::uint64_t> views);
   /// Bytes that so many rays take at most, until their file is written.
   std::uint64_t memory_of(std::uint64_t rays) const;
   /// The bytes of a .rows file, where options ask to keep rows. Forgets the rays.
@@ -47,6 +51,7 @@ class RowsKeeper {
   const Surfaces* surfaces_ = nullptr;  ///< once they are cut
   std::vector<std::uint64_t> triangle_keys_, element_keys_;
   std::vector<std::uint8_t> whole_;  ///< per element of all systems
+  std::vector<std::uint64_t> patch_views_;
   std::optional<SceneChange> change_;
   std::optional<KeptRays> kept_;
   RayMemory memory_;

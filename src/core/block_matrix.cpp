@@ -126,6 +126,7 @@ void encode_tile(std::size_t row_count, std::size_t column_count, std::span<cons
   for (std::size_t row = 0; row < row_count; ++row)
     encode_row(values.subspan(row * column_count, column_count), codec, tile.rows[row]);
   tile.entries.clear();
+  tile.entries.reserve(column_count);
   for (std::size_t entry = 0; entry < column_count; ++entry) {
     const auto uses = [entry](const EncodedRow& row) { return row.codes[entry] != 0; };
     if (std::any_of(tile.rows.begin(), tile.rows.end(), uses)) tile.entries.push_back(std::uint32_t(entry));
@@ -140,6 +141,14 @@ std::size_t tile_bytes(const EncodedTile& tile, std::uint32_t tile_rows, std::si
 template <class Code>
 void write_codes(const EncodedTile& tile, std::uint32_t tile_rows, std::byte* out) {
   static_assert(std::endian::native == std::endian::little);
+  if (tile_rows == 1) {
+    const std::vector<std::uint32_t>& codes = tile.rows[0].codes;
+    for (std::size_t i = 0; i < tile.entries.size(); ++i) {
+      const auto code = static_cast<Code>(codes[tile.entries[i]]);
+      std::memcpy(out + i * sizeof code, &code, sizeof code);
+    }
+    return;
+  }
   for (const std::uint32_t entry : tile.entries) {
     for (std::size_t lane = 0; lane < tile.rows.size(); ++lane) {
       const auto code = static_cast<Code>(tile.rows[lane].codes[entry]);
@@ -236,7 +245,9 @@ void BlockMatrixBuilder::append(std::span<const std::uint16_t> columns, std::spa
     fresh.tile_offsets.push_back(0);
   }
   MatrixBlock& block = matrix_.blocks.back();
-  for (const std::uint32_t entry : tile.entries) block.columns.push_back(columns[entry]);
+  const std::size_t end = block.columns.size();
+  block.columns.resize(end + tile.entries.size());
+  for (std::size_t i = 0; i < tile.entries.size(); ++i) block.columns[end + i] = columns[tile.entries[i]];
   append_values(tile, block);
   append_directions(tile, directions, block);
   block.tile_offsets.push_back(static_cast<std::uint32_t>(block.columns.size()));
