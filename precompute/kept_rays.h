@@ -60,7 +60,7 @@ class KeptRays {
   std::optional<OldRays> find(std::uint64_t identity) const;
   /// What the ray met, in the codes of the old scene; kUnknown when nobody traced it.
   std::uint32_t old_code(const OldRays& rays, std::uint32_t ray) const {
-    return ray < rays.rays ? load_code(rays.codes, old_codes_.width(), ray) : RayCodes::kUnknown;
+    return ray < rays.rays ? load_code(rays.codes, old_width_, ray) : RayCodes::kUnknown;
   }
   std::uint32_t old_first_element() const { return old_codes_.first_element(); }
   /// The same in the codes of this scene; kUnknown when it is gone or changed.
@@ -100,6 +100,7 @@ class KeptRays {
   const SceneChange& change_;
   const RowsFile& old_;
   RayCodes old_codes_, codes_;
+  std::uint32_t old_width_ = 0;  ///< of old_codes_
   Ball added_ball_;
   std::vector<std::uint32_t> old_elements_;    ///< per element of this scene: which it was, or kNone
   std::vector<Ball> balls_;                    ///< per element of this scene: they hold it

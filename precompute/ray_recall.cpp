@@ -23,7 +23,7 @@ void follow_senders(const SenderLookup& lookup, const Emitters& emitters, RayMem
 }
 
 RayRecall::RayRecall(RayMemory& memory, const Emitters& emitters, const SenderLookup& lookup)
-    : memory_(memory), emitters_(emitters), lookup_(lookup) {
+    : memory_(memory), emitters_(emitters), lookup_(lookup), width_(memory.codes.width()) {
   clear_senders_.resize(memory.senders.balls.size(), 0);
 }
 
@@ -33,7 +33,7 @@ void RayRecall::open_record(std::uint64_t identity, std::uint32_t rays, std::uin
   blank_ = known_->rays == 0;
   if (known_->rays < rays) {
     known_->rays = rays;
-    known_->codes.resize(std::size_t{rays} * memory_.codes.width() + kCodePadding, std::byte{0});
+    known_->codes.resize(std::size_t{rays} * width_ + kCodePadding, std::byte{0});
   }
   if (known_->emitters != memory_.emitters) known_->samples.clear();
   known_->emitters = memory_.emitters;
@@ -106,7 +106,7 @@ bool RayRecall::tell(std::uint32_t code, std::uint32_t ray, std::span<const Emit
 
 std::uint32_t RayRecall::known_code(std::uint32_t ray) const {
   if (known_ == nullptr || ray >= known_->rays) return RayCodes::kUnknown;
-  return load_code(known_->codes.data(), memory_.codes.width(), ray);
+  return load_code(known_->codes.data(), width_, ray);
 }
 
 /// Of a ray of this run.
@@ -212,12 +212,11 @@ void RayRecall::book_emitter_hit(std::uint32_t ray, std::size_t lane, const Pack
 }
 
 void RayRecall::book_code(std::uint32_t ray, std::uint32_t code) {
-  const std::uint32_t width = memory_.codes.width();
   if (ray >= known_->rays) {
     known_->rays = ray + 1;
-    known_->codes.resize(std::size_t{known_->rays} * width + kCodePadding, std::byte{0});
+    known_->codes.resize(std::size_t{known_->rays} * width_ + kCodePadding, std::byte{0});
   }
-  store_code(known_->codes.data(), width, ray, code);
+  store_code(known_->codes.data(), width_, ray, code);
 }
 
 void RayRecall::book(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays,

@@ -75,6 +75,7 @@ class RayRecall {
   RayMemory& memory_;
   const Emitters& emitters_;
   const SenderLookup& lookup_;
+  std::uint32_t width_;         ///< of codes
   KnownRays* known_ = nullptr;  ///< none without a record
   std::unique_lock<std::mutex> lock_;
   bool blank_ = false;           ///< nothing was in known_
