@@ -64,37 +64,50 @@ void RaySight::trace(std::uint32_t lanes, RayPacket& rays, PacketSight& sight) {
   choose_lanes(lanes, rays);
   traced_ += std::uint64_t(std::popcount(lanes));
   caster_.closest_hits(rays, RaySpread::narrow);
-  std::uint32_t doubtful = 0;
-  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
-    if ((lanes >> lane & 1u) != 0 && look_up(lane, rays, sight)) doubtful |= 1u << lane;
-  }
+  const std::uint32_t doubtful = look_up(lanes, rays, sight);
   if (doubtful == 0) return;
   const RayPacket::Numbers met = rays.triangle;
   caster_.settle(rays, doubtful);
-  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
-    if ((doubtful >> lane & 1u) != 0 && rays.triangle[lane] != met[lane]) look_up(lane, rays, sight);
-  }
+  std::uint32_t changed = 0;
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane)
+    changed |= rays.triangle[lane] != met[lane] ? 1u << lane : 0u;
+  if ((doubtful & changed) != 0) look_up(doubtful & changed, rays, sight);
 }
 
-bool RaySight::look_up(std::size_t lane, const RayPacket& rays, PacketSight& sight) const {
-  const std::uint32_t triangle = rays.triangle[lane];
+std::uint32_t RaySight::look_up(std::uint32_t lanes, const RayPacket& rays, PacketSight& sight) const {
+  // Step by step for all lanes, so that none waits for the memory of another.
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
+    if ((lanes >> lane & 1u) != 0) sight.place[lane] = place_of(lane, rays);
+  }
+  std::uint32_t doubtful = 0;
+  sight.emitters &= ~lanes;
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
+    if ((lanes >> lane & 1u) == 0) continue;
+    const std::uint32_t place = sight.place[lane];
+    if (!sees_element(place)) {
+      doubtful |= place == kNone ? 1u << lane : 0u;
+      continue;
+    }
+    const ElementOwner owner = lookup_.owner_of(place);
+    sight.sender[lane] = owner.sender();
+    doubtful |= owner.near_walls() ? 1u << lane : 0u;
+    if (emitters_.contain(owner.sender())) add_emitter(lane, rays, sight);
+  }
+  return doubtful;
+}
+
+std::uint32_t RaySight::place_of(std::size_t lane, const RayPacket& rays) const {
   const glm::vec3 direction(rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]);
-  sight.emitters &= ~(1u << lane);
-  if (triangle == kNoTriangle) {
-    sight.place[lane] = kSky + sky_cell(glm::dvec3(direction), RayCodes::kSkyResolution);
-    return false;
-  }
-  const std::uint32_t place = lookup_.seen(triangle, rays.u[lane], rays.v[lane], direction);
-  sight.place[lane] = place;
-  if (place >= SenderLookup::kBlackBack) return place == kNone;
-  const ElementOwner owner = lookup_.owner_of(place);
-  sight.sender[lane] = owner.sender();
-  if (emitters_.contain(owner.sender())) {
-    sight.emitters |= 1u << lane;
-    sight.distance[lane] = rays.far[lane];
-    sight.cosine[lane] = std::abs(glm::dot(direction, geometry_.normals[triangle]));
-  }
-  return owner.near_walls();
+  const std::uint32_t triangle = rays.triangle[lane];
+  return triangle == kNoTriangle ? kSky + sky_cell(glm::dvec3(direction), RayCodes::kSkyResolution)
+                                 : lookup_.seen(triangle, rays.u[lane], rays.v[lane], direction);
+}
+
+void RaySight::add_emitter(std::size_t lane, const RayPacket& rays, PacketSight& sight) const {
+  const glm::vec3 direction(rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]);
+  sight.emitters |= 1u << lane;
+  sight.distance[lane] = rays.far[lane];
+  sight.cosine[lane] = std::abs(glm::dot(direction, geometry_.normals[rays.triangle[lane]]));
 }
 
 void RaySight::book(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays,

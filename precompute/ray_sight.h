@@ -105,8 +105,11 @@ class RaySight {
   std::uint32_t recall(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,
                        PacketSight& sight);
   void trace(std::uint32_t lanes, RayPacket& rays, PacketSight& sight);
-  /// Whether surfaces cross or touch near the hit, so that others may be as far away.
-  bool look_up(std::size_t lane, const RayPacket& rays, PacketSight& sight) const;
+  /// What the lanes have met. Returns those near whose hits surfaces cross or touch, so that others may be as
+  /// far away.
+  std::uint32_t look_up(std::uint32_t lanes, const RayPacket& rays, PacketSight& sight) const;
+  std::uint32_t place_of(std::size_t lane, const RayPacket& rays) const;
+  void add_emitter(std::size_t lane, const RayPacket& rays, PacketSight& sight) const;
   void book(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays, const PacketSight& sight);
   std::uint32_t recall_samples(std::uint32_t first, std::uint32_t asked, std::uint32_t useful,
                                const RayPacket& rays, SeenSamples& seen);
