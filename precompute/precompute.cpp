@@ -15,7 +15,6 @@
 #include "precompute/check_sizes.h"
 #include "precompute/clearance.h"
 #include "precompute/estimate.h"
-#include "precompute/geometry_keys.h"
 #include "precompute/lift_sensor.h"
 #include "precompute/light_samples.h"
 #include "precompute/pilot.h"
@@ -116,10 +115,7 @@ struct Preparation {
       : emitters(possible_emitters(scene, surfaces)),
         rows{surfaces.geometry, caster, lookup, emitters, surfaces.cluster_count(),
              kSkyResolution,    {},     seed,   false,    memory} {
-    if (memory != nullptr) {
-      memory->emitters = emitters_key(emitters);
-      follow_senders(lookup, emitters, *memory);
-    }
+    if (memory != nullptr) follow_senders(lookup, emitters, *memory);
     rows.sky_senders.resize(6 * kSkyResolution * kSkyResolution);
     std::iota(rows.sky_senders.begin(), rows.sky_senders.end(), surfaces.cluster_count());
   }

@@ -5,6 +5,8 @@
 #include <bit>
 #include <glm/geometric.hpp>
 
+#include "precompute/geometry_keys.h"
+
 namespace relume {
 namespace {
 
@@ -19,6 +21,7 @@ bool before(const EmitterHit& hit, std::uint32_t ray) {
 }  // namespace
 
 void follow_senders(const SenderLookup& lookup, const Emitters& emitters, RayMemory& memory) {
+  memory.emitters = emitters_key(emitters);
   if (memory.kept != nullptr) memory.senders = memory.kept->senders(lookup, emitters);
 }
 

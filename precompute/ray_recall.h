@@ -23,7 +23,7 @@ struct RayMemory {
   std::uint64_t emitters = 0;  ///< key of the possible emitters (geometry_keys.h) that samples are drawn from
 };
 
-/// Call it whenever senders have new numbers.
+/// Call it for possible emitters that are new, and whenever senders have new numbers.
 void follow_senders(const SenderLookup& lookup, const Emitters& emitters, RayMemory& memory);
 
 /// One per thread: answers for rays whose answers are known, and books those of others.
