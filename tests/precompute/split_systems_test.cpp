@@ -104,6 +104,33 @@ TEST(SplitSystems, CutsFallOnWalls) {
   EXPECT_TRUE(warnings.empty());
 }
 
+// The light of a triangle, seen from either side, is in one lightmap.
+TEST(SplitSystems, BothSidesOfATriangleAreInOne) {
+  Scene scene = rooms_in_a_row({4.0, 3.0, 5.0});
+  for (SceneMaterial& material : scene.materials) material.double_sided = true;
+  const Geometry geometry = make_geometry(scene);
+  const RayCaster caster = *RayCaster::create(geometry.positions, geometry.triangles);
+  std::vector<std::string> warnings;
+  const auto charts = make_charts(scene, geometry, 0.25, warnings);
+  SystemLimits limits;
+  limits.lumels = 500;
+  const auto layouts = lay_out_systems(scene, geometry, charts, caster, limits, warnings);
+  ASSERT_TRUE(layouts) << layouts.error().message;
+  EXPECT_GT(layouts->size(), 5u);
+  std::vector<std::size_t> system(geometry.triangles.size(), layouts->size());
+  std::size_t second_sides = 0;
+  for (std::size_t s = 0; s < layouts->size(); ++s) {
+    for (const auto c : (*layouts)[s].charts) {
+      for (const auto triangle : charts[c].triangles) {
+        second_sides += system[triangle] != layouts->size() ? 1 : 0;
+        if (system[triangle] == layouts->size()) system[triangle] = s;
+        EXPECT_EQ(system[triangle], s) << triangle;
+      }
+    }
+  }
+  EXPECT_GT(second_sides, geometry.triangles.size() / 2);
+}
+
 TEST(SplitSystems, NamedPartsAreNumberedAndUnnamedOnesAvoidNamesOfTheScene) {
   Scene scene = rooms_in_a_row({4.0, 4.0, 4.0});
   for (SceneNode& node : scene.nodes) {
