@@ -104,6 +104,8 @@ Result<void> LightmapPass::bind(std::span<const BufferRange> ranges, const Light
   auto read =
       fit_ranges(inputs_needed, std::array{inputs.irradiance, inputs.direct.value_or(inputs.irradiance)});
   if (!read) return tl::unexpected<Error>(read.error());
+  if (storage_view == VK_NULL_HANDLE)
+    return fail(ErrorCode::usage, "lightmap: expected a view of the host's image, found VK_NULL_HANDLE");
   if (inputs.moments) read->front().byte_size = inputs.irradiance.byte_size + inputs.moments->byte_size;
   fitted->insert(fitted->end(), read->begin(), read->end());
   const auto set = kernels_.make_set(*fitted, {}, {&storage_view, 1});

@@ -71,7 +71,8 @@ class LightmapPass {
   std::span<const BufferRequirement> buffers() const { return buffers_; }
 
   /// Hands over one range per entry of buffers(), what is read, and a view of the image in the storage
-  /// format. To be called once; all of it must outlive its use.
+  /// format. To be called once; all of it must outlive its use. Fails with usage where a range is too small
+  /// or the view is null.
   Result<void> bind(std::span<const BufferRange> ranges, const LightmapInputs& inputs,
                     VkImageView storage_view);
 

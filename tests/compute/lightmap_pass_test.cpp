@@ -196,6 +196,10 @@ TEST_F(LightmapPassTest, RefusesWhatDoesNotFit) {
   const auto short_input = pass->bind(ranges, {small, {}}, VK_NULL_HANDLE);
   ASSERT_FALSE(short_input);
   EXPECT_THAT(short_input.error().message, HasSubstr("'irradiance' needs 64 bytes"));
+  const BufferRange enough = allocate("irradiance", 64 * 8);
+  const auto no_image = pass->bind(ranges, {enough, {}}, VK_NULL_HANDLE);
+  ASSERT_FALSE(no_image);
+  EXPECT_THAT(no_image.error().message, HasSubstr("expected a view of the host's image"));
 }
 
 }  // namespace
