@@ -218,7 +218,8 @@ DirectLight::~DirectLight() = default;
 
 Result<DirectLight> DirectLight::create(const HostDevice& host, const Model& model,
                                         const DirectLightOptions& asked) {
-  if (auto checked = check_light_options(model, asked); !checked) return tl::unexpected<Error>(checked.error());
+  if (auto checked = check_light_options(model, asked); !checked)
+    return tl::unexpected<Error>(checked.error());
   const auto limits = device_limits(host);
   if (!limits) return tl::unexpected<Error>(limits.error());
   const std::vector<std::uint32_t> systems = chosen_systems(model, asked);
