@@ -5,12 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
 #include <map>
 #include <numeric>
-#include <utility>
 
-#include "core/rooms.h"
+#include "precompute/chart_sheets.h"
 
 #define STB_RECT_PACK_IMPLEMENTATION
 #define STBRP_STATIC
@@ -81,65 +79,6 @@ NamedGroups named_groups(const Scene& scene, const std::vector<Chart>& charts) {
   return groups;
 }
 
-/// Both sides of a triangle belong to one system: the lowest of the charts that share triangles, per chart.
-std::vector<std::uint32_t> sheets_of(const std::vector<Chart>& charts, std::size_t triangles) {
-  JoinedSets sheets(charts.size());
-  std::vector<std::uint32_t> first(triangles, kNone);
-  for (std::uint32_t c = 0; c < charts.size(); ++c) {
-    for (const std::uint32_t triangle : charts[c].triangles) {
-      if (first[triangle] == kNone) first[triangle] = c;
-      sheets.join(first[triangle], c);
-    }
-  }
-  return sheets.all();
-}
-
-/// The cost of a sheet in place of that of its lowest chart.
-std::vector<ChartCost> costs_of_sheets(std::vector<ChartCost> costs,
-                                       const std::vector<std::uint32_t>& sheets) {
-  for (std::uint32_t c = 0; c < sheets.size(); ++c) {
-    ChartCost& sheet = costs[sheets[c]];
-    if (sheets[c] == c) continue;
-    sheet.lower = glm::min(sheet.lower, costs[c].lower), sheet.upper = glm::max(sheet.upper, costs[c].upper);
-    sheet.lumels += costs[c].lumels, sheet.cost += costs[c].cost;
-  }
-  return costs;
-}
-
-std::vector<ChartLink> links_of_sheets(const std::vector<ChartLink>& links,
-                                       const std::vector<std::uint32_t>& sheets) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, double> flux;
-  for (const ChartLink& link : links) {
-    const auto [a, b] = std::minmax(sheets[link.a], sheets[link.b]);
-    if (a != b) flux[{a, b}] += link.flux;
-  }
-  std::vector<ChartLink> joined;
-  for (const auto& [pair, sum] : flux) joined.push_back({pair.first, pair.second, sum});
-  return joined;
-}
-
-/// `group` split by sheets, and their charts again.
-std::vector<std::vector<std::uint32_t>> split_sheets(const std::vector<ChartCost>& costs,
-                                                     const std::vector<ChartLink>& links,
-                                                     const std::vector<std::uint32_t>& group,
-                                                     const std::vector<std::uint32_t>& sheets,
-                                                     std::uint64_t most_lumels) {
-  std::vector<std::uint32_t> lowest;
-  std::map<std::uint32_t, std::vector<std::uint32_t>> charts;
-  for (const std::uint32_t c : group) {
-    if (sheets[c] == c) lowest.push_back(c);
-    charts[sheets[c]].push_back(c);
-  }
-  auto parts = split_charts(costs, links, lowest, most_lumels);
-  for (auto& part : parts) {
-    std::vector<std::uint32_t> all;
-    for (const std::uint32_t sheet : part) all.insert(all.end(), charts[sheet].begin(), charts[sheet].end());
-    std::sort(all.begin(), all.end());
-    part = std::move(all);
-  }
-  return parts;
-}
-
 /// `groups`, each split where it is too large.
 std::map<std::string, std::vector<std::vector<std::uint32_t>>> split_groups(const Geometry& geometry,
                                                                             const std::vector<Chart>& charts,
@@ -154,12 +93,10 @@ std::map<std::string, std::vector<std::vector<std::uint32_t>>> split_groups(cons
   const bool fits = std::all_of(groups.begin(), groups.end(),
                                 [&](const auto& group) { return lumels(group.second) <= limits.lumels; });
   const auto links = fits ? std::vector<ChartLink>{} : link_charts(geometry, charts, caster);
-  const std::vector<std::uint32_t> sheets = sheets_of(charts, geometry.triangles.size());
-  const auto costs = costs_of_sheets(chart_costs(geometry, charts, links, limits), sheets);
-  const auto sheet_links = links_of_sheets(links, sheets);
+  const ChartSheets sheets(charts, geometry.triangles.size(), chart_costs(geometry, charts, links, limits),
+                           links);
   std::map<std::string, std::vector<std::vector<std::uint32_t>>> parts;
-  for (const auto& [name, group] : groups)
-    parts[name] = split_sheets(costs, sheet_links, group, sheets, limits.lumels);
+  for (const auto& [name, group] : groups) parts[name] = sheets.split(group, limits.lumels);
   return parts;
 }
 

@@ -43,7 +43,7 @@ Scene unit_cube() {
 }
 
 TEST(SurfaceFactors, OfAUnitCube) {
-  const SurfaceFactors factors = measure(unit_cube(), 1u << 20);
+  const SurfaceFactors factors = measure(unit_cube(), 1u << 22);
   ASSERT_EQ(factors.surfaces.size(), 6u);
   EXPECT_EQ(factors.surfaces[0], "cube/-x");
   for (std::size_t i = 0; i < 6; ++i) {
@@ -51,7 +51,7 @@ TEST(SurfaceFactors, OfAUnitCube) {
     EXPECT_EQ(row_sum(factors, i), 1.0) << "no ray is lost in the edges";
     for (std::size_t j = 0; j < 6; ++j) {
       const double expected = i == j ? 0.0 : (i ^ 1u) == j ? test::kCubeOpposite : test::kCubeAdjacent;
-      EXPECT_NEAR(factors.factors[i][j], expected, 2e-4) << i << " to " << j;
+      EXPECT_NEAR(factors.factors[i][j], expected, 1e-4) << i << " to " << j;
     }
   }
 }

@@ -107,6 +107,16 @@ TEST(TwoLevelGmres, LeavesWhatIsSealedOffDark) {
   for (std::uint32_t i = n; i < 2 * n; ++i) EXPECT_EQ(solution->radiosity[i], Rgb(0.0));
 }
 
+TEST(TwoLevelGmres, RefusesLevelsOfAnotherScene) {
+  const BoxRooms boxes = box_rooms(1, 1.0);
+  const SenderMatrix matrix(boxes.matrix);
+  const auto problem = make_bounce_problem(matrix, lit_from_first(boxes.size(), 0.5), boxes.areas);
+  ASSERT_TRUE(problem);
+  const auto solution = solve_by_gmres(*problem, {}, {10, 0.0});
+  ASSERT_FALSE(solution);
+  EXPECT_EQ(solution.error().code, ErrorCode::usage);
+}
+
 TEST(RgbLu, SolvesWhatEigenSolves) {
   constexpr std::size_t kSize = 17;
   std::mt19937 random(3);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
+#include <string>
 #include <utility>
 
 #include "core/methods/certified_solve.h"
@@ -104,6 +105,10 @@ std::vector<Rgb> iterate(CertifiedSolve& solve, const NearAndFarSolver& levels, 
 
 Result<Solution> solve_by_gmres(const BounceProblem& problem, const NearAndFar& levels, const StopRule& rule,
                                 const BounceObserver& observer) {
+  if (levels.near.rows != problem.size()) {
+    return fail(ErrorCode::usage, "GMRES: expected levels of " + std::to_string(problem.size()) +
+                                      " clusters, found levels of " + std::to_string(levels.near.rows));
+  }
   CertifiedSolve solve(problem, rule, observer);
   const NearAndFarSolver solver(levels, problem.albedo);
   return restart_while_it_helps(solve, "GMRES",

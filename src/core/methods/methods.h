@@ -85,7 +85,8 @@ Result<Solution> solve_by_two_levels(const BounceProblem& problem, const Rooms& 
                                      const BounceObserver& observer = {});
 
 /// GMRES (Y. Saad, M. Schultz, 1986) on the problem as two levels leave it (core/methods/near_and_far.h):
-/// light that goes to and fro in gaps below, light between groups above. One product a step.
+/// light that goes to and fro in gaps below, light between groups above. One product a step. Fails with
+/// usage where the levels are of another number of clusters.
 Result<Solution> solve_by_gmres(const BounceProblem& problem, const NearAndFar& levels, const StopRule& rule,
                                 const BounceObserver& observer = {});
 
