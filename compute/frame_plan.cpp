@@ -4,6 +4,7 @@
 #include <numeric>
 #include <utility>
 
+#include "compute/planner.h"
 #include "compute/schedule.h"
 
 namespace relume {
@@ -22,246 +23,6 @@ std::uint64_t pass_cost(const SystemTraits& traits, std::uint32_t bounces) {
          import + cost_of(traits, StepKernel::gather) + cost_of(traits, StepKernel::directions) +
          cost_of(traits, StepKernel::probes);
 }
-
-StepKernel kernel_of(PassStage stage) {
-  switch (stage) {
-    case PassStage::start:
-      return StepKernel::start;
-    case PassStage::start_nodes:
-    case PassStage::nodes:
-    case PassStage::corrected_nodes:
-      return StepKernel::nodes;
-    case PassStage::restrict_rooms:
-      return StepKernel::restrict_rooms;
-    case PassStage::solve_rooms:
-      return StepKernel::solve_rooms;
-    case PassStage::correct_rooms:
-      return StepKernel::correct_rooms;
-    case PassStage::bounce:
-      return StepKernel::bounce;
-    case PassStage::residual:
-      return StepKernel::residual;
-    case PassStage::gather:
-      return StepKernel::gather;
-    case PassStage::directions:
-      return StepKernel::directions;
-    case PassStage::probes:
-      return StepKernel::probes;
-    case PassStage::import:
-    case PassStage::gather_import:
-    case PassStage::done:
-      break;
-  }
-  return StepKernel::import_radiosity;
-}
-
-/// Bounces write the half that does not count yet.
-bool writes_other_half(PassStage stage) {
-  return stage == PassStage::bounce || stage == PassStage::nodes;
-}
-
-/// Nodes that are about to change again.
-bool corrected_later(const PassProgress& pass) {
-  if (!pass.correct) return false;
-  return (pass.stage == PassStage::start_nodes && pass.bounces > 0) ||
-         (pass.stage == PassStage::nodes && pass.bounces > 1);
-}
-
-/// How much a bounce of a system lowers the bound on its error.
-double bounce_gain(Traits traits, const Schedule& schedule, std::uint32_t s) {
-  const double after = arriving(traits[s].bounce, radiosity_errors(schedule));
-  return std::max(schedule.systems[s].error - after, 0.0);
-}
-
-/// The same of a gather and its outputs.
-double gather_gain(Traits traits, const Schedule& schedule, std::uint32_t s) {
-  const double after = arriving(traits[s].gather, radiosity_errors(schedule));
-  return std::max(schedule.systems[s].output_error - after, 0.0);
-}
-
-/// Makes the steps of one frame and keeps the books on what they achieve.
-class Planner {
- public:
-  Planner(Traits traits, const Schedule& schedule, std::uint64_t max_cost, double display_step)
-      : traits_(traits), max_cost_(max_cost), display_step_(display_step) {
-    plan_.next = schedule;
-    for (const SystemProgress& system : schedule.systems)
-      plan_.halves.push_back(system.active ? system.half : kInactive);
-  }
-
-  Schedule& state() { return plan_.next; }
-  bool has_room() const { return plan_.steps.empty() || plan_.cost < max_cost_; }
-  std::uint64_t room() const { return max_cost_ - std::min(max_cost_, plan_.cost); }
-
-  /// Systems that are new, whatever it costs: others see them from this frame on.
-  void start_new() {
-    PassProgress start{{}, PassStage::start};
-    for (std::uint32_t s = 0; s < state().systems.size(); ++s) {
-      if (state().systems[s].active && !state().systems[s].started) start.systems.push_back(s);
-    }
-    if (start.systems.empty()) return;
-    const PassProgress kept = std::exchange(state().pass, start);
-    const std::uint64_t limit = std::exchange(max_cost_, std::numeric_limits<std::uint64_t>::max());
-    run();
-    max_cost_ = limit;
-    state().pass = kept;
-    barrier_due_ = true;
-  }
-
-  /// The pass of the schedule, as far as it fits.
-  void run() {
-    PassProgress& pass = state().pass;
-    while (pass.stage != PassStage::done) {
-      if (pass.stage == PassStage::gather_import && pass.member == 0 && pass.dispatch == 0) {
-        choose_outputs(pass);
-      }
-      for (; pass.member < pass.systems.size(); ++pass.member, pass.dispatch = 0) {
-        if (!run_member(pass)) return;
-      }
-      finish_stage(pass);
-      pass.member = 0;
-      pass.dispatch = 0;
-      barrier_due_ = true;
-    }
-  }
-
-  FramePlan finish() {
-    plan_.pass_complete = state().pass.stage == PassStage::done;
-    for (const SystemProgress& system : state().systems) {
-      if (!system.active) continue;
-      plan_.radiosity_error = std::max(plan_.radiosity_error, system.error);
-      plan_.output_error = std::max(plan_.output_error, system.output_error);
-    }
-    plan_.skipped = std::min(plan_.skipped, plan_.output_error);
-    return std::move(plan_);
-  }
-
-  FramePlan& plan() { return plan_; }
-
- private:
-  void choose_outputs(PassProgress& pass) const {
-    if (pass.gather == GatherRule::always || display_step_ <= 0.0) return;
-    std::erase_if(pass.systems, [&](std::uint32_t system) {
-      return gather_gain(traits_, plan_.next, system) <= 0.5 * display_step_;
-    });
-  }
-
-  /// False when the frame is full.
-  bool run_member(PassProgress& pass) {
-    if (corrected_later(pass)) return true;
-    const std::uint32_t s = pass.systems[pass.member];
-    SystemProgress& system = state().systems[s];
-    const StepKernel kernel = kernel_of(pass.stage);
-    const std::vector<std::uint64_t>& costs = traits_[s].costs[static_cast<std::size_t>(kernel)];
-    for (; pass.dispatch < costs.size(); ++pass.dispatch) {
-      const std::uint64_t cost = costs[pass.dispatch];
-      if (plan_.cost + cost > max_cost_ && !plan_.steps.empty()) return false;
-      plan_.cost += cost;
-      const std::uint32_t half = writes_other_half(pass.stage) ? 1 - system.half : system.half;
-      add({FrameStep::Kind::dispatch, kernel, s, pass.dispatch, half});
-    }
-    if (pass.stage == PassStage::import) {
-      system.next_error = arriving(traits_[s].bounce, radiosity_errors(state()));
-    }
-    if (pass.stage == PassStage::gather_import) {
-      system.next_output_error = arriving(traits_[s].gather, radiosity_errors(state()));
-    }
-    return true;
-  }
-
-  void add(FrameStep step) {
-    step.barrier_before = std::exchange(barrier_due_, false) && !plan_.steps.empty();
-    plan_.steps.push_back(step);
-  }
-
-  void finish_stage(PassProgress& pass) {
-    switch (pass.stage) {
-      case PassStage::start:
-        pass.stage = PassStage::start_nodes;
-        return;
-      case PassStage::start_nodes:
-        for (const std::uint32_t s : pass.systems) state().systems[s].started = true;
-        return next_bounce(pass);
-      case PassStage::restrict_rooms:
-        pass.stage = PassStage::solve_rooms;
-        return;
-      case PassStage::solve_rooms:
-        pass.stage = PassStage::correct_rooms;
-        return;
-      case PassStage::correct_rooms:
-        for (const std::uint32_t s : pass.systems) state().systems[s].error = state().largest_radiosity;
-        pass.stage = PassStage::corrected_nodes;
-        return;
-      case PassStage::corrected_nodes:
-        pass.stage = PassStage::import;
-        return;
-      case PassStage::import:
-        pass.stage = PassStage::bounce;
-        return;
-      case PassStage::bounce:
-        pass.stage = PassStage::nodes;
-        return;
-      case PassStage::nodes:
-        barrier_due_ = true;
-        for (const std::uint32_t s : pass.systems) flip(s);
-        --pass.bounces;
-        return next_bounce(pass);
-      case PassStage::residual:
-        return begin_gather(pass);
-      case PassStage::gather_import:
-        pass.stage = PassStage::gather;
-        return;
-      case PassStage::gather:
-        pass.stage = PassStage::directions;
-        return;
-      case PassStage::directions:
-        pass.stage = PassStage::probes;
-        return;
-      case PassStage::probes:
-        barrier_due_ = true;
-        for (const std::uint32_t s : pass.systems) publish(s);
-        [[fallthrough]];
-      case PassStage::done:
-        pass = {};
-    }
-  }
-
-  void next_bounce(PassProgress& pass) {
-    if (pass.bounces > 0) {
-      pass.stage = pass.correct ? PassStage::restrict_rooms : PassStage::import;
-    } else if (pass.residual) {
-      pass.stage = PassStage::residual;
-    } else {
-      begin_gather(pass);
-    }
-  }
-
-  static void begin_gather(PassProgress& pass) {
-    if (pass.gather == GatherRule::never) {
-      pass = {};
-    } else {
-      pass.stage = PassStage::gather_import;
-    }
-  }
-
-  void flip(std::uint32_t s) {
-    SystemProgress& system = state().systems[s];
-    system.half = 1 - system.half;
-    add({FrameStep::Kind::flip, StepKernel::nodes, s, 0, system.half});
-    system.error = system.next_error;
-  }
-
-  void publish(std::uint32_t s) {
-    state().systems[s].output_error = state().systems[s].next_output_error;
-    add({FrameStep::Kind::publish, StepKernel::gather, s, 0, state().systems[s].half});
-  }
-
-  Traits traits_;
-  std::uint64_t max_cost_;
-  double display_step_;
-  bool barrier_due_ = false;
-  FramePlan plan_;
-};
 
 /// Which systems have something to do, and in which order.
 class Chooser {
@@ -358,6 +119,35 @@ FramePlan plan_frame(Traits traits, const Schedule& schedule, const FrameWishes&
 
 namespace {
 
+/// Whether the tolerance is met as it is.
+bool reached(const Schedule& schedule, const PassWishes& wishes) {
+  if (wishes.tolerance <= 0.0) return false;
+  return std::all_of(schedule.systems.begin(), schedule.systems.end(), [&](const SystemProgress& system) {
+    return !system.active || (wishes.gather ? system.output_error : system.error) <= wishes.tolerance;
+  });
+}
+
+/// Of systems whose errors are `error`, the bounces after which all are within the tolerance; at most those
+/// wished for.
+std::uint32_t bounces_to(Traits traits, std::vector<double> error, const Schedule& schedule,
+                         const PassWishes& wishes) {
+  const auto off = [&](std::uint32_t s) {
+    return wishes.gather ? arriving(traits[s].gather, error) : error[s];
+  };
+  for (std::uint32_t bounces = 0; bounces < wishes.bounces; ++bounces) {
+    bool within = true;
+    std::vector<double> next = error;
+    for (std::uint32_t s = 0; s < error.size(); ++s) {
+      if (!schedule.systems[s].active) continue;
+      within = within && off(s) <= wishes.tolerance;
+      next[s] = arriving(traits[s].bounce, error);
+    }
+    if (within) return bounces;
+    error = std::move(next);
+  }
+  return wishes.bounces;
+}
+
 /// One that is missing would not take part in the equations of the rooms.
 bool all_active(Traits traits, const Schedule& schedule) {
   for (std::size_t s = 0; s < traits.size(); ++s) {
@@ -366,24 +156,32 @@ bool all_active(Traits traits, const Schedule& schedule) {
   return true;
 }
 
+void begin_together(Traits traits, Schedule& schedule, const PassWishes& wishes) {
+  PassProgress& pass = schedule.pass;
+  for (std::uint32_t s = 0; s < schedule.systems.size(); ++s) {
+    SystemProgress& system = schedule.systems[s];
+    if (!system.active) continue;
+    pass.systems.push_back(s);
+    if (wishes.restart) system.error = schedule.largest_radiosity;
+  }
+  const bool to_tolerance = wishes.tolerance > 0.0;
+  pass.stage = wishes.restart ? PassStage::start : PassStage::start_nodes;
+  pass.bounces =
+      to_tolerance ? bounces_to(traits, radiosity_errors(schedule), schedule, wishes) : wishes.bounces;
+  pass.correct = wishes.correct && !to_tolerance && all_active(traits, schedule);
+  pass.residual = wishes.residual;
+  pass.gather = wishes.gather ? GatherRule::always : GatherRule::never;
+}
+
 }  // namespace
 
 FramePlan plan_together(Traits traits, const Schedule& schedule, const PassWishes& wishes) {
   Planner planner(traits, schedule, wishes.max_form_factors, 0.0);
   planner.start_new();
-  PassProgress& pass = planner.state().pass;
-  if (pass.stage == PassStage::done) {
-    for (std::uint32_t s = 0; s < schedule.systems.size(); ++s) {
-      SystemProgress& system = planner.state().systems[s];
-      if (!system.active) continue;
-      pass.systems.push_back(s);
-      if (wishes.restart) system.error = schedule.largest_radiosity;
-    }
-    pass.stage = wishes.restart ? PassStage::start : PassStage::start_nodes;
-    pass.bounces = wishes.bounces;
-    pass.correct = wishes.correct && all_active(traits, schedule);
-    pass.residual = wishes.residual;
-    pass.gather = wishes.gather ? GatherRule::always : GatherRule::never;
+  if (wishes.tolerance > 0.0) planner.run();
+  Schedule& state = planner.state();
+  if (state.pass.stage == PassStage::done && !reached(state, wishes)) {
+    begin_together(traits, state, wishes);
   }
   planner.run();
   return planner.finish();

@@ -297,6 +297,9 @@ typedef struct relume_pass_wishes {
   int restart;  /* first B = M + rho H */
   int residual; /* what the last bounce changed, for relume_frame.residuals */
   int gather;
+  /* lm/m2. Above 0, for captures: of `bounces` only as many as bring output_error (without gather
+   * radiosity_error) to it. Plan until it is; without a limit of form factors that is once. */
+  double tolerance;
 } relume_pass_wishes;
 
 /* Instead of relume_plan_frame. When the limit cuts the pass (pass_complete is 0), planning on with any

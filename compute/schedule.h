@@ -165,6 +165,11 @@ FramePlan plan_frame(std::span<const SystemTraits> traits, const Schedule& sched
 struct PassWishes {
   bool restart = false;  ///< first B = M + rho H
   std::uint32_t bounces = 0;
+  /// lm/m2. Above 0, for captures: of `bounces` only as many as bring the worst output, or without `gather`
+  /// the worst radiosity, to this; what was cut before is finished first, and when no more is to be gained
+  /// nothing is done. FramePlan says whether they were enough: 1 + ln(E / tolerance) / -ln q always are
+  /// (contraction_quotient). Rounding of single precision is not in it. Nothing is corrected.
+  double tolerance = 0.0;
   /// Before each bounce, what the last one left is corrected room by room (GpuSolver::bind_rooms): from the
   /// difference of the two halves, so that all systems must have been bounced together, or restarted. What E
   /// was is lost. Left out while a system that is loaded is inactive.
@@ -176,7 +181,8 @@ struct PassWishes {
 
 /// Exactly this for all active systems in step: the k-th bounce of each reads what the (k-1)-th of all wrote.
 /// When it does not fit (FramePlan::pass_complete is false), planning on from `next` with any wishes but a
-/// new limit continues it.
+/// new limit continues it. To a tolerance, now: plan until output_error is not above it, which without a
+/// limit is once.
 FramePlan plan_together(std::span<const SystemTraits> traits, const Schedule& schedule,
                         const PassWishes& wishes);
 

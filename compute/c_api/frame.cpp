@@ -84,6 +84,7 @@ FramePlan plan_together(const relume_solver& solver, const relume_pass_wishes& w
   wanted.bounces = wishes.bounces;
   wanted.residual = wishes.residual != 0;
   wanted.gather = wishes.gather != 0;
+  wanted.tolerance = wishes.tolerance;
   if (wishes.max_form_factors > 0) wanted.max_form_factors = wishes.max_form_factors;
   return solver.solver.plan(solver.schedule, wanted);
 }

@@ -203,6 +203,46 @@ TEST(Schedule, ASystemThatLeavesGivesItsPassUp) {
   EXPECT_THAT(bounced(plan_frame(traits, schedule, {})), ElementsAre(0u));
 }
 
+// q = 1/2 and E = 16 everywhere: four bounces leave 1, of which gathers see one half.
+TEST(Schedule, AToleranceTakesAsManyBouncesAsItNeeds) {
+  const auto traits = traits_of({{0.25, 0.25}, {0.5}});
+  Schedule schedule = settled(traits);
+  for (SystemProgress& system : schedule.systems) system.error = system.output_error = 16.0;
+  const PassWishes wishes{.bounces = 100, .tolerance = 1.0, .gather = true};
+  const FramePlan plan = plan_together(traits, schedule, wishes);
+  EXPECT_EQ(bounced(plan).size(), 2u * 3u);
+  EXPECT_DOUBLE_EQ(plan.output_error, 1.0);
+  EXPECT_TRUE(plan_together(traits, plan.next, wishes).steps.empty());
+  const FramePlan radiosity = plan_together(traits, schedule, {.bounces = 100, .tolerance = 1.0});
+  EXPECT_EQ(bounced(radiosity).size(), 2u * 4u);
+  EXPECT_DOUBLE_EQ(radiosity.radiosity_error, 1.0);
+  const FramePlan few = plan_together(traits, schedule, {.bounces = 2, .tolerance = 1.0, .gather = true});
+  EXPECT_EQ(bounced(few).size(), 2u * 2u);
+  EXPECT_DOUBLE_EQ(few.output_error, 2.0);
+}
+
+// What a frame with a limit left half done is finished first, by one plan as by many.
+TEST(Schedule, AToleranceIsReachedInOnePlanOrInSlices) {
+  const auto traits = traits_of({{0.25, 0.25}, {0.5}});
+  Schedule schedule = settled(traits);
+  note_change(traits, schedule, 0, 16.0);
+  schedule = plan_frame(traits, schedule, {.max_form_factors = 150}).next;
+  ASSERT_NE(schedule.pass.stage, PassStage::done);
+  PassWishes wishes{.bounces = 100, .tolerance = 0.5, .gather = true};
+  EXPECT_LE(plan_together(traits, schedule, wishes).output_error, 0.5);
+  wishes.max_form_factors = 150;
+  int frames = 0;
+  double error = 16.0;
+  for (; error > 0.5; ++frames) {
+    ASSERT_LT(frames, 100);
+    const FramePlan slice = plan_together(traits, schedule, wishes);
+    EXPECT_LE(slice.cost, 150u);
+    error = slice.output_error;
+    schedule = slice.next;
+  }
+  EXPECT_GT(frames, 5);
+}
+
 TEST(Schedule, BarriersStandBetweenStages) {
   const auto traits = traits_of({{0.2, 0.1}, {0.1, 0.2}});
   const FramePlan plan = plan_together(traits, settled(traits), {.bounces = 1, .gather = true});
