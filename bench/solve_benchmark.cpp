@@ -23,7 +23,6 @@ namespace relume::bench {
 namespace {
 
 constexpr const char* kName = "solve";
-constexpr std::uint32_t kBudget = 128;
 /// A time is the least of so many, one after the other.
 constexpr int kTries = 7;
 
@@ -174,9 +173,10 @@ Result<Candidate> eigen_candidate(EigenProducts& products, bool together, bool a
 Result<Model> make_model(const BenchmarkOptions& options) {
   const auto scene = benchmark_scene(options);
   if (!scene) return tl::unexpected(scene.error());
-  PrecomputeOptions chosen = precompute_options(options, *scene);
+  PrecomputeOptions chosen;
+  chosen.error = options.error;
+  chosen.texel_size = options.texel_size;
   chosen.codec = ValueCodec::f32;
-  chosen.budget = kBudget;
   PrecomputeReport report;
   return precompute(*scene, chosen, report);
 }

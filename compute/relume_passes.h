@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * What goes into frames and comes out of them, for C99: the functions of compute/lightmap_pass.h,
- * material_pass.h and screen_pass.h, whose headers say more. Each is of one system of a relume_solver and is
- * recorded in the frames that name it. Materials and screens write albedo and exitance of clusters:
+ * light_cache.h, material_pass.h and screen_pass.h, whose headers say more. Each is of one system of a
+ * relume_solver and is recorded in the frames that name it, a light cache behind or instead of them.
+ * Materials and screens write albedo and exitance of clusters:
  *
  *   relume_materials_create, _bind        memory through the host's relume_allocate
  *   relume_record_upload                  until nothing is pending: all is as stored
@@ -50,6 +51,43 @@ void relume_lightmap_destroy(relume_lightmap* lightmap);
 /* Once, followed by relume_record_upload. `add_direct` not 0: with the light of relume_add_lights. */
 relume_status relume_lightmap_bind(relume_lightmap* lightmap, relume_allocate allocate, void* user,
                                    int add_direct, VkImageView storage_view, relume_error* error);
+
+/* Between frames: from the irradiance as it is now. Begins and ends with COMPUTE_SHADER work; the image is in
+ * layout GENERAL. Fails with RELUME_USAGE before it is bound and uploaded. */
+relume_status relume_lightmap_record(const relume_lightmap* lightmap, VkCommandBuffer commands,
+                                     relume_error* error);
+
+/* ---- Light cache -------------------------------------------------------------------------------------- */
+
+/* For lights that change their colour or intensity and nothing else: irradiance is the sum of what each gives
+ * alone, times its colour. A light is whatever is switched together: a lamp, surfaces that glow, the sky.
+ *
+ *   relume_light_cache_create, _bind
+ *   for each light: frames in which it alone shines, white and with an intensity of 1, until output_error is
+ *                   small enough (relume_pass_wishes.tolerance); relume_light_cache_keep behind the last
+ *   each frame:     relume_light_cache_combine, relume_lightmap_record; no product
+ *
+ * Other albedos or places need new responses. */
+typedef struct relume_light_cache relume_light_cache;
+
+/* Of a loaded system, for 1 to 4096 lights. */
+relume_status relume_light_cache_create(relume_solver* solver, uint32_t system, uint32_t lights,
+                                        relume_light_cache** cache, relume_error* error);
+void relume_light_cache_destroy(relume_light_cache* cache);
+
+/* Once; nothing is uploaded. */
+relume_status relume_light_cache_bind(relume_light_cache* cache, relume_allocate allocate, void* user,
+                                      relume_error* error);
+
+/* Records that the irradiance as it is now becomes the response to light number `light`. */
+relume_status relume_light_cache_keep(const relume_light_cache* cache, VkCommandBuffer commands,
+                                      uint32_t light, relume_error* error);
+
+/* Records the irradiance of lights of these colours times intensities, three floats each, from the first on;
+ * all of them have been kept, the others are off. Both begin and end with COMPUTE_SHADER and TRANSFER work.
+ */
+relume_status relume_light_cache_combine(const relume_light_cache* cache, VkCommandBuffer commands,
+                                         const float* colors, uint32_t count, relume_error* error);
 
 /* ---- Materials ---------------------------------------------------------------------------------------- */
 

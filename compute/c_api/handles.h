@@ -15,6 +15,7 @@
 
 #include "compute/direct_light.h"
 #include "compute/gpu_solver.h"
+#include "compute/light_cache.h"
 #include "compute/lightmap_pass.h"
 #include "compute/material_pass.h"
 #include "compute/relume.h"
@@ -65,6 +66,14 @@ struct relume_lightmap {
   relume::LightmapTexels texels;
   relume::LightmapPass pass;
   bool uploaded = false;
+};
+
+struct relume_light_cache {
+  relume_solver* solver;
+  std::uint32_t system;
+  std::uint32_t lights;
+  relume::LightCache cache;
+  bool bound = false;
 };
 
 struct relume_materials {

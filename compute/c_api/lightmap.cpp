@@ -47,3 +47,15 @@ relume_status relume_lightmap_bind(relume_lightmap* lightmap, relume_allocate al
     return {};
   });
 }
+
+relume_status relume_lightmap_record(const relume_lightmap* lightmap, VkCommandBuffer commands,
+                                     relume_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!lightmap->uploaded)
+      return fail(ErrorCode::usage,
+                  "relume_lightmap_record: relume_lightmap_bind comes first, and "
+                  "relume_record_upload until nothing is pending");
+    lightmap->pass.record(commands);
+    return {};
+  });
+}

@@ -20,6 +20,7 @@ struct stage {
   relume_materials* materials;
   relume_screen* screen;
   uint32_t shown; /* image on the screen */
+  relume_light_cache* cache;
   relume_lightmap* lightmap;
   relume_lightmap_image lightmap_info;
   const struct image* lightmap_image;
@@ -200,6 +201,74 @@ static int light_by_screen(struct stage* s) {
   return light(s, &frame, 0, PI * 50.0 * form_factor(), "white image");
 }
 
+/* A frame in which the lid glows and the sky is white, in cd/m2. */
+static int light_by_lid_and_sky(struct stage* s, float lid, float sky) {
+  relume_material_state* states = s->inputs.mapped;
+  const VkDeviceSize state_bytes = sizeof *states * relume_model_material_count(s->model);
+  memset(states, 0, state_bytes);
+  relume_material_state* lamp = &states[material_called(s->model, "lid")];
+  lamp->exitance_rule = RELUME_REPLACE_STORED;
+  for (int c = 0; c < 3; ++c) lamp->exitance[c] = (float)PI * lid;
+  const float radiance[3] = {sky, sky, sky};
+  relume_error error;
+  relume_frame frame;
+  memset(&frame, 0, sizeof frame);
+  frame.materials = &s->materials;
+  frame.material_count = 1;
+  const relume_input_copy copy = {RELUME_SKY,
+                                  relume_model_system_count(s->model),
+                                  0,
+                                  {s->inputs.range.buffer, s->inputs.range.offset + state_bytes,
+                                   16 * relume_model_sky_patch_count(s->model)}};
+  frame.copies = &copy;
+  frame.copy_count = 1;
+  if (state_bytes + copy.source.byte_size > s->inputs.range.byte_size ||
+      relume_model_sky(s->model, radiance, 1, 1, (float*)((char*)s->inputs.mapped + state_bytes), &error) !=
+          RELUME_OK)
+    return 1;
+  return light(s, &frame, 1, PI * (lid * form_factor() + sky * (1.0 - form_factor())), "lid and sky");
+}
+
+static int make_cache(struct stage* s, uint32_t lights) {
+  relume_error error;
+  if (relume_light_cache_create(s->solver, 0, lights, &s->cache, &error) != RELUME_OK)
+    return failed("cache", &error);
+  /* Nothing can be kept yet. */
+  if (relume_light_cache_keep(s->cache, s->renderer->commands, 0, &error) != RELUME_USAGE) return 1;
+  if (relume_light_cache_bind(s->cache, allocate_buffer, s->renderer, &error) != RELUME_OK)
+    return failed("cache", &error);
+  return relume_light_cache_keep(s->cache, s->renderer->commands, lights, &error) != RELUME_USAGE;
+}
+
+static int keep(struct stage* s, uint32_t light) {
+  relume_error error;
+  if (relume_light_cache_keep(s->cache, begin_commands(s->renderer), light, &error) != RELUME_OK)
+    return failed("keep", &error);
+  return submit_commands(s->renderer);
+}
+
+/* The lid and the sky each alone, then both as a sum without a product, in the lightmap too. */
+static int light_by_cache(struct stage* s) {
+  if (make_cache(s, 2) || light_by_lid_and_sky(s, 1.0f, 0.0f) || keep(s, 0) ||
+      light_by_lid_and_sky(s, 0.0f, 1.0f) || keep(s, 1))
+    return 1;
+  relume_error error;
+  const float colors[6] = {50.0f, 50.0f, 50.0f, 20.0f, 20.0f, 20.0f};
+  VkCommandBuffer commands = begin_commands(s->renderer);
+  if (relume_light_cache_combine(s->cache, commands, colors, 2, &error) != RELUME_OK ||
+      relume_lightmap_record(s->lightmap, commands, &error) != RELUME_OK)
+    return failed("combine", &error);
+  const relume_buffer_range sum = relume_irradiance(s->solver, 0);
+  const VkBufferCopy copy = {sum.offset, s->irradiance.range.offset, s->irradiance.range.byte_size};
+  vkCmdCopyBuffer(commands, sum.buffer, s->irradiance.range.buffer, 1, &copy);
+  copy_image(s->renderer, s->lightmap_image, s->lightmap_info.extent, &s->texels);
+  if (submit_commands(s->renderer) != 0) return 1;
+  const double expected = PI * (50.0 * form_factor() + 20.0 * (1.0 - form_factor()));
+  const float* sensor = (const float*)s->irradiance.mapped + s->irradiance.range.byte_size / 4 - 4;
+  printf("from the cache: %g lux, expected %g\n", sensor[1], expected);
+  return fabs(sensor[1] - expected) <= 0.01 * expected && lightmap_is_right(s) ? 0 : 1;
+}
+
 /* A sky of 20 cd/m2 comes in beside the lid, which the screen left at 50; then one of 30, as six faces. */
 static int light_by_sky(struct stage* s) {
   const float radiance[3] = {20.0f, 20.0f, 20.0f};
@@ -290,7 +359,9 @@ int check_colors(struct renderer* r, const relume_model* model) {
   s.renderer = r;
   s.model = model;
   const int status = set_up(&s) || light_as_stored(&s) || light_by_mask(&s) || light_by_materials(&s) ||
-                     light_by_screen(&s) || light_by_sky(&s) || refuses_what_is_not_there(&s);
+                     light_by_cache(&s) || light_by_lid_and_sky(&s, 10.0f, 0.0f) || light_by_screen(&s) ||
+                     light_by_sky(&s) || refuses_what_is_not_there(&s);
+  relume_light_cache_destroy(s.cache);
   relume_lightmap_destroy(s.lightmap);
   relume_screen_destroy(s.screen);
   relume_materials_destroy(s.materials);
