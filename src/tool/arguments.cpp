@@ -88,6 +88,8 @@ class Parser {
     if (nowhere) {
       return fail(ErrorCode::usage, "--output is required; see relume --help.");
     }
+    store_values(precompute_.options);
+    store_values(watch_.precompute.options);
     if (bounces_) solve_.rule = {*bounces_, 0.0};
     return ParsedArguments{chosen(), mode_};
   }
@@ -108,6 +110,11 @@ class Parser {
                      "Estimate rows, form factors, bytes, time and memory; writes nothing");
     CLI::App& watch = add_command("watch", "Precompute a scene anew whenever it is saved, until Ctrl-C");
     add_precompute_options(watch, watch_.precompute);
+  }
+
+  /// An error target chooses for itself, and rounded values would not be reciprocal.
+  static void store_values(PrecomputeOptions& options) {
+    if (!options.codec && options.error <= 0.0 && !options.reciprocal) options.codec = ValueCodec::unorm16;
   }
 
   static void add_precompute_options(CLI::App& command, PrecomputeArguments& arguments) {
@@ -131,7 +138,7 @@ class Parser {
     add_choice(
         command, "--values,--codec", {"f32", "unorm16", "sqrt8"},
         [&options](std::size_t k) { options.codec = static_cast<ValueCodec>(k); },
-        "How form factors are stored (default f32)");
+        "How form factors are stored (default unorm16; f32 with --reciprocal; as --error asks)");
     add_number(command, "--budget", options.budget, kCountOrZeroOption,
                "Nodes of the cluster trees that 8 neighbouring rows keep (default 0: full rows)");
     add_number(command, "--system-lumels", options.system_lumels, kCountOption,

@@ -75,9 +75,8 @@ class Axes {
     PrecomputeOptions options = centre_;
     options.budget = 0;
     VariantPlan stored{
-        "default", "default", {.codec = ValueCodec::f32, .tile_rows = 1}, false, PointRole::program_default};
-    VariantPlan shorter{"budget", "full rows", {.codec = kCodec, .tile_rows = 1}};
-    models_.push_back({"budget", "full rows", PointRole::program_default, options, {stored, shorter}});
+        "budget", "full rows", {.codec = kCodec, .tile_rows = 1}, false, PointRole::program_default};
+    models_.push_back({"budget", "full rows", PointRole::program_default, options, {stored}});
   }
   std::vector<ModelPlan> models() && { return std::move(models_); }
 
