@@ -23,6 +23,10 @@ namespace relume::bench {
 namespace {
 
 constexpr const char* kName = "solve";
+/// Of irradiance, relative: sums of 32-bit numbers, and of halves, which are rounded by 2^-11.
+constexpr double kTolerance = 1e-5, kHalfTolerance = 5e-4;
+/// lm/m2: all light of the products that are timed.
+constexpr double kLargestRadiosity = 1e5;
 /// A time is the least of so many, one after the other.
 constexpr int kTries = 7;
 
@@ -58,6 +62,8 @@ std::vector<Variant> variants(const StandaloneDevice& device) {
         if (supports_row_kernel(device.host(), kernel)) all.push_back({kernel, fetch, codec, 8});
       }
     }
+    for (const MatrixFetch fetch : {MatrixFetch::storage, MatrixFetch::texels})
+      all.push_back({default_tile_kernel(device.host()), fetch, codec, 8, true});
   }
   return all;
 }
@@ -88,11 +94,15 @@ Result<Candidate> device_candidate(StandaloneDevice& device, const Model& stored
                                    const Variant& variant, std::deque<SolverSession>& sessions) {
   const std::string name = device.name().substr(0, 8) + ": " + name_of(variant);
   const Model model = recoded(stored, variant.codec, variant.tile_rows);
-  auto session = SolverSession::create(device, model, {.kernel = variant.kernel, .fetch = variant.fetch}, {});
+  SolverOptions options{.kernel = variant.kernel, .fetch = variant.fetch};
+  if (variant.half_senders) options.half_senders_up_to = kLargestRadiosity;
+  auto session = SolverSession::create(device, model, options, {});
   if (!session) return tl::unexpected(session.error());
   sessions.push_back(std::move(*session));
   SolverSession& kept = sessions.back();
-  if (auto checked = check_device(kept, model, lighting, name); !checked)
+  if (auto checked =
+          check_device(kept, model, lighting, name, variant.half_senders ? kHalfTolerance : kTolerance);
+      !checked)
     return tl::unexpected(checked.error());
   return Candidate{name, [&kept] { return device_seconds(kept); }};
 }

@@ -63,12 +63,13 @@ SetPlan plan_sky_set(std::span<const BufferRange> ranges, VkDescriptorSet& set) 
   return plan;
 }
 
-SetPlan plan_system_set(std::span<const BufferRange> ranges, VkDescriptorSet& set) {
+SetPlan plan_system_set(std::span<const BufferRange> ranges, bool half_senders, VkDescriptorSet& set) {
   SetPlan plan{kernels::kSystemSet, &set, {}, {}};
   for (std::uint32_t i = 0; i < kernels::kSystemBindings; ++i) plan.bindings.push_back(whole(ranges[i]));
   plan.texels = {
       {kernels::kImportTexelsBinding, kernels::kImportsBinding, VK_FORMAT_R32G32B32A32_UINT, kRgbBytes},
-      {kernels::kLocalRadiosityTexelsBinding, kernels::kLocalRadiosityBinding, kRgbFormat, kRgbBytes},
+      {kernels::kLocalRadiosityTexelsBinding, kernels::kLocalRadiosityBinding,
+       half_senders ? VK_FORMAT_R16G16B16A16_SFLOAT : kRgbFormat, half_senders ? kHalfRgbBytes : kRgbBytes},
       {kernels::kAlbedoTexelsBinding, kernels::kAlbedoBinding, kRgbFormat, kRgbBytes},
       {kernels::kExitanceTexelsBinding, kernels::kExitanceBinding, kRgbFormat, kRgbBytes},
       {kernels::kDirectTexelsBinding, kernels::kDirectBinding, kRgbFormat, kRgbBytes}};
@@ -229,7 +230,7 @@ Result<SystemSets> make_system_sets(const HostDevice& host, const DeviceFunction
                                     std::span<const BufferRange> ranges, const BufferRange& coefficients,
                                     VkDeviceSize max_texels) {
   SystemSets sets;
-  std::vector<SetPlan> plans = {plan_system_set(ranges, sets.system)};
+  std::vector<SetPlan> plans = {plan_system_set(ranges, layout.half_senders, sets.system)};
   plan_block_sets(layout.bounce, ranges, sets.bounce, plans);
   plan_block_sets(layout.gather, ranges, sets.gather, plans);
   plan_probe_sets(layout.probes, ranges, coefficients, sets.probes, plans);

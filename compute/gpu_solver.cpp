@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -19,9 +20,21 @@ namespace relume {
 namespace {
 
 /// Both alignments are powers of two.
-LayoutLimits layout_limits(const VkPhysicalDeviceLimits& limits) {
+LayoutLimits limits_of(const VkPhysicalDeviceLimits& limits, const SolverOptions& options) {
   return {limits.maxStorageBufferRange,
-          std::max(limits.minStorageBufferOffsetAlignment, limits.minTexelBufferOffsetAlignment)};
+          std::max(limits.minStorageBufferOffsetAlignment, limits.minTexelBufferOffsetAlignment),
+          options.half_senders_up_to > 0.0};
+}
+
+/// So that single precision has room for scales and products.
+constexpr double kMostHalfSenders = 1e30;
+
+/// The power of two that brings the largest radiosity just below the largest half; 0: single precision.
+float sender_scale(const SolverOptions& options) {
+  constexpr double kLargestHalf = 65504.0;
+  if (options.half_senders_up_to <= 0.0) return 0.0f;
+  const double exponent = std::floor(std::log2(kLargestHalf / options.half_senders_up_to));
+  return static_cast<float>(std::exp2(std::min(exponent, 100.0)));
 }
 
 Rgb floats_of(const kernels::uvec4& bits) {
@@ -51,6 +64,10 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
                                     const SolverOptions& options) {
   const auto limits = device_limits(host);
   if (!limits) return tl::unexpected<Error>(limits.error());
+  if (!(options.half_senders_up_to >= 0.0 && options.half_senders_up_to <= kMostHalfSenders)) {
+    return fail(ErrorCode::usage, "half_senders_up_to: expected 0 to " + std::to_string(kMostHalfSenders) +
+                                      " lm/m2, found " + std::to_string(options.half_senders_up_to));
+  }
   const RowKernel kernel = options.kernel.value_or(default_tile_kernel(host));
   if (!supports_row_kernel(host, kernel)) {
     return fail(ErrorCode::no_device,
@@ -59,11 +76,12 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
   }
   const std::uint32_t capacity =
       options.sender_capacity > 0 ? options.sender_capacity : loaded_senders(model);
-  auto layout = solver_layout(model, capacity, layout_limits(*limits));
+  const LayoutLimits layout_limits = limits_of(*limits, options);
+  auto layout = solver_layout(model, capacity, layout_limits);
   if (!layout) return tl::unexpected<Error>(layout.error());
   auto functions = load_device_functions(host);
   if (!functions) return tl::unexpected<Error>(functions.error());
-  auto pipelines = Pipelines::create(host, *functions);
+  auto pipelines = Pipelines::create(host, *functions, sender_scale(options));
   if (!pipelines) return tl::unexpected<Error>(pipelines.error());
   std::vector<DispatchStep> sky_nodes =
       plan_nodes(model.sky_tree, layout->sky_patches, RowKernel::row_per_8_lanes, MatrixFetch::storage);
@@ -75,7 +93,7 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
                                                          *functions,
                                                          options,
                                                          kernel,
-                                                         layout_limits(*limits),
+                                                         layout_limits,
                                                          limits->maxTexelBufferElements,
                                                          std::move(*layout),
                                                          std::move(*pipelines),

@@ -27,8 +27,10 @@ SetShape set_shape(std::uint32_t set);
 
 class Pipelines {
  public:
-  /// Layouts only. Everything of `host` is borrowed.
-  static Result<Pipelines> create(const HostDevice& host, const DeviceFunctions& functions);
+  /// Layouts only. Everything of `host` is borrowed. `sender_scale`: of imports in half precision, a power of
+  /// two; 0: imports are in single precision.
+  static Result<Pipelines> create(const HostDevice& host, const DeviceFunctions& functions,
+                                  float sender_scale = 0.0f);
 
   /// Makes the pipeline of a kernel for a format, unless it is there. Kernels that decode nothing have the
   /// format {}.
@@ -43,10 +45,12 @@ class Pipelines {
   VkDescriptorSetLayout set_layout(std::uint32_t set) const { return set_layouts_[set].get(); }
 
  private:
-  Pipelines(const HostDevice& host, const DeviceFunctions& functions) : host_(host), functions_(functions) {}
+  Pipelines(const HostDevice& host, const DeviceFunctions& functions, float sender_scale)
+      : host_(host), functions_(functions), sender_scale_(sender_scale) {}
 
   HostDevice host_;
   DeviceFunctions functions_;
+  float sender_scale_;
   std::array<VulkanHandle<VkDescriptorSetLayout>, kernels::kSets> set_layouts_;
   VulkanHandle<VkPipelineLayout> layout_;
   std::map<std::pair<KernelId, BlockFormat>, VulkanHandle<VkPipeline>> pipelines_;

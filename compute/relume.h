@@ -154,6 +154,7 @@ typedef struct relume_solver_options {
   relume_fetch fetch;
   uint64_t max_dispatch_form_factors; /* 0: 4 million */
   uint32_t sender_capacity;           /* see SolverOptions; 0: room for all loaded systems of the model */
+  double half_senders_up_to;          /* lm/m2; see SolverOptions; 0: single precision */
 } relume_solver_options;
 
 /* `options` may be null. `largest_radiosity`: no surface or sky patch will have more, in lm/m2, whatever the

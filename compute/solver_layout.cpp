@@ -88,7 +88,7 @@ std::vector<BlockLayout> matrix_layout(const BlockMatrix& matrix, const std::str
 void add_system_buffers(const SystemLayout& layout, BufferList& buffers) {
   const VkDeviceSize records = VkDeviceSize{layout.imports} + layout.import_parts;
   buffers.add("imports", records * sizeof(kernels::uvec4));
-  buffers.add("local radiosity", layout.imports * kRgbBytes);
+  buffers.add("local radiosity", layout.imports * (layout.half_senders ? kHalfRgbBytes : kRgbBytes));
   buffers.add("irradiance", layout.irradiance_bytes());
   for (const char* name : {"albedo", "exitance", "direct", "weights"})
     buffers.add(name, layout.clusters * kRgbBytes);
@@ -181,6 +181,7 @@ Result<SystemLayout> system_layout(const Model& model, std::uint32_t index, cons
   }
   layout.gather_rows = system.gather.rows;
   layout.directional = is_directional(system);
+  layout.half_senders = limits.half_senders;
   BufferList buffers(layout.buffers, "system " + std::to_string(index) + " ", limits.alignment);
   add_system_buffers(layout, buffers);
   layout.bounce = matrix_layout(system.bounce, "bounce", limits.alignment, buffers);

@@ -21,6 +21,7 @@ namespace relume {
 struct LayoutLimits {
   VkDeviceSize max_range = VkDeviceSize{128} << 20;  ///< maxStorageBufferRange
   VkDeviceSize alignment = 256;                      ///< of storage and texel buffer offsets, a power of two
+  bool half_senders = false;                         ///< imports are kept in half precision
 };
 
 /// Buffers of the whole solve. The first ones are the bindings of kSolveSet, in their order.
@@ -81,7 +82,8 @@ struct SystemLayout {
   std::uint32_t imports = 0;
   std::uint32_t import_parts = 0;  ///< records after those of the imports: parts of nodes above the systems
   std::uint32_t gather_rows = 0;
-  bool directional = false;  ///< the gather matrix has directions
+  bool directional = false;   ///< the gather matrix has directions
+  bool half_senders = false;  ///< see LayoutLimits
   std::vector<BufferRequirement> buffers;
   std::vector<BlockLayout> bounce;
   std::vector<BlockLayout> gather;
@@ -109,6 +111,9 @@ struct SolverLayout {
 
 /// Bytes of an RGB quantity per element on the device (vec4).
 inline constexpr VkDeviceSize kRgbBytes = 16;
+
+/// The same in half precision.
+inline constexpr VkDeviceSize kHalfRgbBytes = 8;
 
 /// Bytes of the moments of a gather row.
 inline constexpr VkDeviceSize kMomentBytes = 3 * kRgbBytes;

@@ -47,6 +47,11 @@ struct SolverOptions {
   /// Senders (clusters and nodes) of all systems that are loaded at a time; 0: as many as are loaded in the
   /// model of GpuSolver::create.
   std::uint32_t sender_capacity = 0;
+  /// lm/m2. Above 0: products read what senders shine in half precision, rounded to nearest, which halves the
+  /// memory that they read it from; the radiosity itself, which goes around, stays in single precision. No
+  /// surface or sky patch may have more, what has counts as this; what is below 2^-28 of it is black. Each
+  /// product is off by up to 2^-11 of itself, of which bounds of plans know nothing.
+  double half_senders_up_to = 0.0;
 };
 
 }  // namespace relume

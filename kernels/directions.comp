@@ -30,7 +30,7 @@ void sum_lane(uint row, bool inside, uint lane) {
   const uint end = inside ? end_entry(row) : 0u;
   for (uint entry = inside ? first_entry(row) + lane : 0u; entry < end; entry += kLanes) {
     const uint index = entry * kTileRows + row % kTileRows;
-    precise const vec3 arriving = code_at(index) * radiosity_of(column_of(entry));
+    precise const vec3 arriving = code_at(index) * scaled_radiosity_of(column_of(entry));
     const vec3 direction = direction_at(index);
     for (uint axis = 0u; axis < kAxes; ++axis) {
       precise const vec3 term = direction[axis] * arriving;

@@ -8,6 +8,8 @@
 #include "include/fetch.glsl"
 #include "include/radiosity.glsl"
 #include "include/range.glsl"
+#include "include/sender_format.glsl"
+#include "shared/pack_texel.h"
 
 layout(set = kSolveSet, binding = kFirstSenderBinding, std430) readonly restrict buffer FirstSender {
   uint first_sender_of[];
@@ -15,11 +17,14 @@ layout(set = kSolveSet, binding = kFirstSenderBinding, std430) readonly restrict
 layout(set = kSystemSet, binding = kImportsBinding, std430) readonly restrict buffer Imports {
   uvec4 imports[];
 };
-layout(set = kSolveSet, binding = kRadiosityTexelsBinding) uniform samplerBuffer radiosity_texels;
-layout(set = kSystemSet, binding = kImportTexelsBinding) uniform usamplerBuffer import_texels;
 layout(set = kSystemSet, binding = kLocalRadiosityBinding, std430) writeonly restrict buffer LocalRadiosity {
   vec4 local_radiosity[];
 };
+layout(set = kSystemSet, binding = kLocalRadiosityBinding, std430) writeonly restrict buffer HalfRadiosity {
+  uvec2 half_radiosity[];
+};
+layout(set = kSolveSet, binding = kRadiosityTexelsBinding) uniform samplerBuffer radiosity_texels;
+layout(set = kSystemSet, binding = kImportTexelsBinding) uniform usamplerBuffer import_texels;
 
 vec3 radiosity_of(uint system, uint sender) {
   const uint first = first_sender_of[system];
@@ -43,11 +48,24 @@ vec3 mean_of_parts(uvec4 node) {
   return sum;
 }
 
+uint normal_half(float value) {
+  const uint bits = pack_half(floatBitsToUint(value * kSenderScale));
+  return bits < kSmallestNormalHalf ? 0u : bits;
+}
+
+void keep_radiosity(uint index, vec3 value) {
+  if (kHalfSenders == 0u) {
+    local_radiosity[index] = vec4(value, 0.0);
+  } else {
+    half_radiosity[index] =
+        uvec2(normal_half(value.r) | (normal_half(value.g) << 16u), normal_half(value.b));
+  }
+}
+
 void main() {
   const uint step_size = gl_NumWorkGroups.x * kWorkgroupSize;
   for (uint index = gl_GlobalInvocationID.x; index < range.count; index += step_size) {
     const uvec4 sender = import_record(index);
-    const vec3 value = sender.z == 0u ? radiosity_of(sender.x, sender.y) : mean_of_parts(sender);
-    local_radiosity[index] = vec4(value, 0.0);
+    keep_radiosity(index, sender.z == 0u ? radiosity_of(sender.x, sender.y) : mean_of_parts(sender));
   }
 }

@@ -6,12 +6,10 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "include/lane_tree.glsl"
+#include "include/local_radiosity.glsl"
 #include "include/probe_harmonics.glsl"
 #include "include/range.glsl"
 
-layout(set = kSystemSet, binding = kLocalRadiosityBinding, std430) readonly restrict buffer LocalRadiosity {
-  vec4 local_radiosity[];
-};
 layout(set = kBlockSet, binding = kProbeListsBinding, std430) readonly restrict buffer ProbeLists {
   uint probe_lists[];
 };
@@ -31,7 +29,7 @@ void add_sender(uint entry, inout precise vec3 sums[kProbeHarmonics]) {
   const float solid_angle = uintBitsToFloat(probe_senders[at + 1u]);
   const vec3 direction = vec3(uintBitsToFloat(probe_senders[at + 2u]), uintBitsToFloat(probe_senders[at + 3u]),
                               uintBitsToFloat(probe_senders[at + 4u]));
-  precise const vec3 arriving = solid_angle * local_radiosity[probe_senders[at]].rgb;
+  precise const vec3 arriving = solid_angle * scaled_radiosity_of(probe_senders[at]);
   float y[kProbeHarmonics];
   mean_harmonics(direction, y);
   for (uint h = 0u; h < kProbeHarmonics; ++h) {
@@ -70,7 +68,7 @@ void main() {
   if (!inside) return;
   const uint probe = probe_lists[list + 2u];
   for (uint h = lane; h < kProbeHarmonics; h += kLanes) {
-    precise const vec3 value = kInversePi * sum_of_lanes(h * kWorkgroupSize + first);
+    precise const vec3 value = (kInversePi / kSenderScale) * sum_of_lanes(h * kWorkgroupSize + first);
     coefficients[probe * kProbeHarmonics + h] = vec4(value, 0.0);
   }
 }

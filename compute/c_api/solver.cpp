@@ -53,6 +53,7 @@ SolverOptions options_from_c(const relume_solver_options& options) {
   if (options.max_dispatch_form_factors > 0)
     out.max_dispatch_form_factors = options.max_dispatch_form_factors;
   out.sender_capacity = options.sender_capacity;
+  out.half_senders_up_to = options.half_senders_up_to;
   return out;
 }
 

@@ -8,6 +8,7 @@
 //   f32           product = sum * row_scale, code = the stored float
 //   unorm16       product = sum * (row_scale * (1 / 65535)), code = the stored integer
 //   sqrt8         product = sum * (row_scale * (1 / 65025)), code = the square of the stored integer
+//   half senders  b = the half-precision number, the scale of the row times 1 / kSenderScale
 //
 // The entries of a row are the columns of its tile, zeros included.
 //
@@ -19,15 +20,12 @@
 #include "../shared/bindings.h"
 #include "fetch.glsl"
 #include "lane_tree.glsl"
+#include "local_radiosity.glsl"
 #include "range.glsl"
 
 layout(constant_id = kCodecConstant) const uint kCodec = kCodecF32;
 layout(constant_id = kTileRowsConstant) const uint kTileRows = 1u;
 
-layout(set = kSystemSet, binding = kLocalRadiosityBinding, std430) readonly restrict buffer LocalRadiosity {
-  vec4 local_radiosity[];
-};
-layout(set = kSystemSet, binding = kLocalRadiosityTexelsBinding) uniform samplerBuffer local_radiosity_texels;
 layout(set = kBlockSet, binding = kTileOffsetsBinding, std430) readonly restrict buffer TileOffsets {
   uint tile_offsets[];
 };
@@ -65,11 +63,6 @@ uint value_word(uint index) {
   return values[index];
 }
 
-vec3 radiosity_of(uint column) {
-  if (kFetch == kFetchTexels) return texelFetch(local_radiosity_texels, int(column)).rgb;
-  return local_radiosity[column].rgb;
-}
-
 uint half_word(uint word, uint index) {
   return (index & 1u) == 0u ? word & 0xffffu : word >> 16;
 }
@@ -98,7 +91,7 @@ uint end_entry(uint row) {
 
 /// Adds one entry of a row to the sum of its lane.
 void add_entry(inout precise vec3 lane_sum, uint row, uint entry) {
-  precise vec3 term = code_at(entry * kTileRows + row % kTileRows) * radiosity_of(column_of(entry));
+  precise vec3 term = code_at(entry * kTileRows + row % kTileRows) * scaled_radiosity_of(column_of(entry));
   lane_sum = lane_sum + term;
 }
 
@@ -107,6 +100,7 @@ vec3 scaled(uint row, vec3 sum) {
   precise float scale = row_scale(row);
   if (kCodec == kCodecUnorm16) scale = scale * (1.0 / 65535.0);
   if (kCodec == kCodecSqrt8) scale = scale * (1.0 / 65025.0);
+  if (kHalfSenders != 0u) scale = scale * (1.0 / kSenderScale);
   precise vec3 product = sum * scale;
   return product;
 }

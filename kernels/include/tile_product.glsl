@@ -69,7 +69,7 @@ TileTurn fetch_turn(uint first, uint last) {
   for (uint i = 0u; i < kTurn; ++i) columns_of_turn[i] = column_of(min(first + i * kLanes, last));
   for (uint i = 0u; i < kTurn; ++i) turn.codes[i] = tile_codes(min(first + i * kLanes, last));
   for (uint i = 0u; i < kTurn; ++i) {
-    const vec3 b = radiosity_of(columns_of_turn[i]);
+    const vec3 b = scaled_radiosity_of(columns_of_turn[i]);
     turn.b[i] = first + i * kLanes <= last ? b : vec3(0.0);
   }
   return turn;

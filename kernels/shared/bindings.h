@@ -33,7 +33,8 @@ const uint kSystemSet = 1u;
 // number of parts, 0. Parts follow the imports: number of the system, index of the sender, bits of its share,
 // 0.
 const uint kImportsBinding = 0u;
-const uint kLocalRadiosityBinding = 1u;  // vec4 per import: b of the sender
+const uint kLocalRadiosityBinding = 1u;  // vec4, or as kHalfSendersConstant says four halves in a uvec2, per
+                                         // import: b of the sender (include/local_radiosity.glsl)
 const uint kIrradianceBinding = 2u;  // vec4 per gather row: I, lm/m2; where the gather matrix has directions,
                                      // then three vec4 per row: D along x, y, z
 const uint kAlbedoBinding = 3u;      // vec4 per cluster
@@ -44,8 +45,8 @@ const uint kNodesBinding = 7u;       // uvec4 per node: first leaf, number of le
 const uint kNodeSharesBinding = 8u;  // float per leaf of every node: what it counts for in the mean
 const uint kSystemBindings = 9u;
 const uint kImportTexelsBinding = 9u;           // rgba32ui
-const uint kLocalRadiosityTexelsBinding = 10u;  // rgba32f, as the three that follow
-const uint kAlbedoTexelsBinding = 11u;
+const uint kLocalRadiosityTexelsBinding = 10u;  // rgba32f or rgba16f
+const uint kAlbedoTexelsBinding = 11u;          // rgba32f, as the two that follow
 const uint kExitanceTexelsBinding = 12u;
 const uint kDirectTexelsBinding = 13u;
 const uint kNodeTexelsBinding = 14u;       // rgba32ui
@@ -111,6 +112,10 @@ const uint kFetchTexels = 1u;   // texel buffers
 
 /// Specialization constant: rows of a tile, 1 or 8.
 const uint kTileRowsConstant = 2u;
+
+/// Specialization constants: whether imports are kept in half precision, and what times, a float.
+const uint kHalfSendersConstant = 3u;
+const uint kSenderScaleConstant = 4u;
 
 RELUME_SHARED_END
 

@@ -14,13 +14,14 @@ const char* codec_name(ValueCodec codec) {
 }
 
 std::string name_of(const KernelVariant& variant) {
-  return fmt::format("{}, {}, {}, {}", variant.tile_rows == 8 ? "tiles" : "CSR",
+  return fmt::format("{}, {}, {}, {}{}", variant.tile_rows == 8 ? "tiles" : "CSR",
                      row_kernel_name(variant.kernel),
-                     variant.fetch == MatrixFetch::texels ? "texels" : "storage", codec_name(variant.codec));
+                     variant.fetch == MatrixFetch::texels ? "texels" : "storage", codec_name(variant.codec),
+                     variant.half_senders ? ", half senders" : "");
 }
 
 Result<void> check_device(SolverSession& session, const Model& model, const Lighting& lighting,
-                          const std::string& name) {
+                          const std::string& name, double tolerance) {
   if (auto lit = session.light(lighting, {}); !lit) return lit;
   if (auto ran = session.run({.restart = true, .bounces = 2, .gather = true}); !ran)
     return tl::unexpected<Error>(ran.error());
@@ -30,7 +31,7 @@ Result<void> check_device(SolverSession& session, const Model& model, const Ligh
   if (!irradiance) return tl::unexpected<Error>(irradiance.error());
   const auto expected = gather(reference_matrices(model).gather, lighting, *radiosity);
   const double error = compare("irradiance", *irradiance, expected).max_relative_error;
-  if (error <= 1e-5) return {};
+  if (error <= tolerance) return {};
   return fail(ErrorCode::check_failed,
               fmt::format("{} differs from the reference by {}; it was not timed.", name, error));
 }

@@ -22,14 +22,16 @@ struct KernelVariant {
   MatrixFetch fetch = MatrixFetch::texels;
   ValueCodec codec = ValueCodec::unorm16;
   std::uint32_t tile_rows = 8;  ///< 1: CSR
+  bool half_senders = false;    ///< SolverOptions::half_senders_up_to
 };
 
-/// "tiles, tile_shared, texels, unorm16".
+/// "tiles, tile_shared, texels, unorm16", and ", half senders" where they are.
 std::string name_of(const KernelVariant& variant);
 
 /// Fails (check_failed) when irradiance on the device after some bounces is not that of the reference for the
-/// radiosity that the device has; `name` is for the sentence. `model` is that of the session.
+/// radiosity that the device has, to `tolerance`, relative; `name` is for the sentence. `model` is that of
+/// the session.
 Result<void> check_device(SolverSession& session, const Model& model, const Lighting& lighting,
-                          const std::string& name);
+                          const std::string& name, double tolerance = 1e-5);
 
 }  // namespace relume

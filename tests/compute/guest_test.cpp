@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <vulkan/vulkan.h>
 
+#include <cmath>
 #include <glm/common.hpp>
 
 #include "compute/device_fixture.h"
@@ -52,6 +53,40 @@ class GuestTest : public DeviceTest {
 /// What the tests do most.
 constexpr PassWishes three_bounces() {
   return {.restart = true, .bounces = 3, .residual = true, .gather = true};
+}
+
+// A sum of what is not negative, each rounded by 2^-11, is off by no more; four products follow each other.
+TEST_F(GuestTest, HalfPrecisionSendersCostTheirRounding) {
+  const Model model = random_model({.nodes = 9, .spanning_nodes = 4, .probes = 6, .directional = true}, 21,
+                                   {ValueCodec::unorm16});
+  const Lighting lighting = random_lighting(model, 22);
+  SolverOptions options;
+  Guest single(device(), device().host(), model, lighting, options);
+  options.half_senders_up_to = largest_radiosity(lighting);
+  Guest half(device(), device().host(), model, lighting, options);
+  EXPECT_EQ(single.system_bytes(0) - half.system_bytes(0), 8 * model.systems[0].imports.size());
+  single.together(three_bounces());
+  half.together(three_bounces());
+  const double allowed = std::pow(1.0 + std::exp2(-11.0), 4.0) - 1.0;
+  const auto expect_close = [&](const char* what, const auto& found, const auto& exact) {
+    const double error = compare(what, found.values, exact.values, exact.magnitudes).max_relative_error;
+    EXPECT_LE(error, allowed) << what;
+    EXPECT_GT(error, 1e-6) << what;
+  };
+  expect_close("moments", flat_moments(half.moments(), half.irradiance()),
+               flat_moments(single.moments(), single.irradiance()));
+  expect_close("probes", flat_coefficients(half.probes()), flat_coefficients(single.probes()));
+  const double error = compare("irradiance", half.irradiance(), single.irradiance()).max_relative_error;
+  EXPECT_LE(error, allowed);
+  EXPECT_GT(error, 1e-6);
+}
+
+TEST_F(GuestTest, HalfPrecisionNeedsARange) {
+  for (const double limit : {-1.0, std::nan(""), 1e31}) {
+    const auto solver = GpuSolver::create(device().host(), model_, {.half_senders_up_to = limit});
+    ASSERT_FALSE(solver);
+    EXPECT_THAT(solver.error().message, HasSubstr("half_senders_up_to"));
+  }
 }
 
 TEST_F(GuestTest, StaysInsideTheMemoryOfItsHost) {

@@ -3,6 +3,8 @@
 // The summation order that kernels/include/row_product.glsl promises, to the bit.
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
+
 #include <array>
 #include <bit>
 #include <cstring>
@@ -11,6 +13,7 @@
 #include "compute/device_fixture.h"
 #include "compute/row_kernels.h"
 #include "compute/standalone/solve_on_device.h"
+#include "compute/standalone/solver_session.h"
 #include "compute/test_models.h"
 #include "core/reference_solver.h"
 
@@ -32,8 +35,10 @@ float code_of(const MatrixBlock& block, std::uint32_t index) {
   return root * root;
 }
 
-/// One channel of row `row` of the block, times `b`, in 32-bit arithmetic, as documented.
-float row_in_documented_order(const MatrixBlock& block, std::uint32_t row, const std::vector<float>& b) {
+/// One channel of row `row` of the block, times `b`, of which what senders shine is `sender_scale` times as
+/// much, in 32-bit arithmetic, as documented.
+float row_in_documented_order(const MatrixBlock& block, std::uint32_t row, const std::vector<float>& b,
+                              float sender_scale = 1.0f) {
   std::array<float, 8> lanes{};
   const std::uint32_t tile = row / block.tile_rows, first = block.tile_offsets[tile];
   for (std::uint32_t entry = first; entry < block.tile_offsets[tile + 1]; ++entry) {
@@ -47,6 +52,7 @@ float row_in_documented_order(const MatrixBlock& block, std::uint32_t row, const
   float scale = block.row_scales[row];
   if (block.codec == ValueCodec::unorm16) scale = scale * (1.0f / 65535.0f);
   if (block.codec == ValueCodec::sqrt8) scale = scale * (1.0f / 65025.0f);
+  scale = scale * (1.0f / sender_scale);
   return (even + odd) * scale;
 }
 
@@ -73,9 +79,28 @@ LongRows long_rows(std::uint32_t rows, std::uint32_t length) {
 
 class RowBits : public DeviceTest {};
 
+enum class Senders { single_precision, half_precision };
+
+/// For radiosities of up to 1: the largest power of two that is a half.
+constexpr float kHalfScale = 32768.0f;
+
+std::vector<float> as_halves(std::vector<float> b) {
+  for (float& value : b) value = static_cast<float>(Eigen::half(value * kHalfScale));
+  return b;
+}
+
+std::vector<Rgb> gathered(StandaloneDevice& device, const Model& model, const Lighting& lighting,
+                          const SolverOptions& options) {
+  auto session = SolverSession::create(device, model, options, {});
+  EXPECT_TRUE(session && session->light(lighting, {}) && session->run({.restart = true, .gather = true}));
+  const auto irradiance = session->read_irradiance();
+  return irradiance ? *irradiance : std::vector<Rgb>();
+}
+
 /// A system for each length of rows, all solved at once, by every kernel and fetch; each row as documented.
 void expect_documented_order(StandaloneDevice& device, const std::vector<LongRows>& all,
-                             const Storage& storage) {
+                             const Storage& storage, Senders senders = Senders::single_precision) {
+  const bool halves = senders == Senders::half_precision;
   std::vector<DrawnSystem> systems;
   Lighting lighting;
   for (const LongRows& made : all) {
@@ -93,13 +118,16 @@ void expect_documented_order(StandaloneDevice& device, const std::vector<LongRow
   for (const RowKernel kernel : kRowKernels) {
     if (!supports_row_kernel(device.host(), kernel)) continue;
     for (const MatrixFetch fetch : {MatrixFetch::storage, MatrixFetch::texels}) {
-      const auto out = solve_on_device(device, model, lighting, {0, 0.0}, {.kernel = kernel, .fetch = fetch});
-      ASSERT_TRUE(out) << out.error().message;
+      const SolverOptions options{.kernel = kernel, .fetch = fetch, .half_senders_up_to = halves ? 1.0 : 0.0};
+      const auto irradiance = gathered(device, model, lighting, options);
+      ASSERT_EQ(irradiance.size(), first_row.back());
       for (std::size_t s = 0; s < all.size(); ++s) {
         const MatrixBlock& block = model.systems[s].gather.blocks.at(0);
         ASSERT_EQ(block.tile_rows, storage.tile_rows);
+        const std::vector<float> b = halves ? as_halves(all[s].b) : all[s].b;
         for (std::uint32_t row = 0; row < all[s].drawn.gather.size(); ++row) {
-          EXPECT_EQ(out->irradiance[first_row[s] + row].x, row_in_documented_order(block, row, all[s].b))
+          EXPECT_EQ(irradiance[first_row[s] + row].x,
+                    row_in_documented_order(block, row, b, halves ? kHalfScale : 1.0f))
               << all[s].b.size() << " entries, row " << row << ", " << row_kernel_name(kernel) << ", fetch "
               << static_cast<int>(fetch) << ", codec " << static_cast<int>(storage.codec);
         }
@@ -123,6 +151,13 @@ TEST_F(RowBits, RowsOfTilesAreSummedInTheDocumentedOrder) {
     all.push_back(long_rows(1 + length % 8, length));
   for (const ValueCodec codec : {ValueCodec::f32, ValueCodec::unorm16, ValueCodec::sqrt8})
     expect_documented_order(device(), all, {codec, kMaxBlockBytes, 8});
+}
+
+TEST_F(RowBits, HalfPrecisionSendersAreRoundedToNearestAndSummedInTheSameOrder) {
+  const std::vector<LongRows> all{long_rows(3, 9), long_rows(8, 33)};
+  for (const Storage& storage : {Storage{ValueCodec::unorm16}, Storage{ValueCodec::f32, kMaxBlockBytes, 8},
+                                 Storage{ValueCodec::sqrt8, kMaxBlockBytes, 8}})
+    expect_documented_order(device(), all, storage, Senders::half_precision);
 }
 
 /// Differences of 0, 1, 2, 3 and more units in the last place.

@@ -61,7 +61,7 @@ static int make_solver(struct stage* s) {
   host.device = r->device;
   host.get_instance_proc_addr = vkGetInstanceProcAddr;
   const relume_light_options lamps = {1, 0, 1};
-  const relume_solver_options options = {RELUME_ROW_PER_THREAD, RELUME_FETCH_STORAGE, 1000, 0};
+  const relume_solver_options options = {RELUME_ROW_PER_THREAD, RELUME_FETCH_STORAGE, 1000, 0, 1e4};
   if (relume_solver_create(&host, s->model, &options, 1e4, &s->solver, &error) != RELUME_OK ||
       relume_solver_bind(s->solver, allocate_buffer, r, &error) != RELUME_OK ||
       relume_load_system(s->solver, 0, 0.95, allocate_buffer, r, &error) != RELUME_OK ||
