@@ -7,8 +7,11 @@ namespace relume {
 
 namespace {
 
-/// Errors of clusters go around with the light, and add up.
-constexpr double kClusterShareOfError = 0.4;
+/// Errors of clusters are those of many senders by the time that they reach a lumel, and mostly cancel: 0.4
+/// here instead takes 1.3 times the form factors between clusters, and lessens the error of no light by a
+/// twentieth (two furnished rooms; a dark room that light reaches through a door). At 1.6 that dark room is
+/// off by a fifth more.
+constexpr double kClusterShareOfError = 0.8;
 
 /// Limits of each row of a system's clusters.
 std::vector<CutLimits> cluster_cuts(const TracedSystem& system, const std::vector<CutLimits>& node_cuts) {
