@@ -42,7 +42,7 @@ Model tuning_model(ValueCodec codec) {
   BlockMatrixBuilder empty(kSenders, codec);
   for (std::uint32_t i = 0; i < kSenders; ++i) {
     system.imports.push_back({0, i});
-    empty.append_row({}, {});
+    empty.append_row({}, std::vector<double>());
   }
   system.bounce = std::move(empty).finish();
   system.gather = tuning_matrix(codec);

@@ -13,6 +13,7 @@
 #include "core/packed_direction.h"
 #include "core/quantities.h"
 #include "precompute/coarsen_imports.h"
+#include "precompute/node_references.h"
 
 namespace relume {
 namespace {
@@ -61,6 +62,7 @@ std::vector<std::uint32_t> leaf_nodes(const SenderTree& senders) {
 
 using TileVisitor = std::function<void(const CutTile&)>;
 
+/// Rows as tiles of their leaves.
 void visit_tiles(const RowGroup& group, const std::vector<std::uint32_t>& leaves, const TileVisitor& visit) {
   if (group.tiles != nullptr) {
     for (const CutTile& tile : *group.tiles) visit(tile);
@@ -79,83 +81,6 @@ void visit_tiles(const RowGroup& group, const std::vector<std::uint32_t>& leaves
   }
 }
 
-/// What senders the nodes of the tree are in the model; nodes that no tile keeps have no place there.
-class NodeReferences {
- public:
-  NodeReferences(const SenderTree& senders, const NodeFlux* flux)
-      : senders_(senders), flux_(flux), references_(senders.tree.nodes.size(), {kUnused, 0}) {}
-
-  /// Adds an inner node to the tree of its system, or to the one above the systems, once.
-  void use(std::uint32_t node, Model& model) {
-    SenderRef& reference = references_[node];
-    if (reference.system != kUnused) return;
-    const std::vector<double> weights = weights_of(node);
-    reference = in_one_system(node) ? inside(senders_.tree.nodes[node], weights, model)
-                                    : spanning(node, weights, model);
-  }
-  const SenderRef& of(std::uint32_t node) const { return references_[node]; }
-
- private:
-  bool in_one_system(std::uint32_t node) const {
-    const TreeNodeRange& range = senders_.tree.nodes[node];
-    return senders_.places[range.first].system == senders_.places[range.first + range.count - 1].system;
-  }
-
-  /// Per leaf; where nothing is known of the light that goes by way of the node, what leaves weigh.
-  std::vector<double> weights_of(std::uint32_t node) const {
-    const TreeNodeRange& range = senders_.tree.nodes[node];
-    std::vector<double> weights;
-    if (flux_ != nullptr && range.count > 1) weights = flux_->of(node);
-    if (std::accumulate(weights.begin(), weights.end(), 0.0) > 0.0) return weights;
-    const auto first = senders_.weights.begin() + std::ptrdiff_t(range.first);
-    return {first, first + std::ptrdiff_t(range.count)};
-  }
-
-  SenderRef inside(const TreeNodeRange& range, std::span<const double> weights, Model& model) const {
-    const SenderRef first = senders_.places[range.first];
-    if (range.count == 1) return first;
-    const bool sky = first.system == kSkySystem;
-    auto& tree = sky ? model.sky_tree : model.systems[first.system].tree;
-    const std::size_t leaves = sky ? model.sky_cells.size() : model.systems[first.system].clusters.size();
-    tree.nodes.push_back({first.index, range.count, std::uint32_t(tree.shares.size())});
-    const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
-    for (const double weight : weights) tree.shares.push_back(float(weight / sum));
-    return {first.system, std::uint32_t(leaves + tree.nodes.size() - 1)};
-  }
-
-  SenderRef spanning(std::uint32_t node, std::span<const double> weights, Model& model) {
-    std::vector<SpannedPart> parts;
-    append_parts(node, senders_.tree.nodes[node].first, weights, model, parts);
-    double sum = 0.0;
-    for (const SpannedPart& part : parts) sum += double(part.share);
-    for (SpannedPart& part : parts) part.share = float(double(part.share) / sum);
-    std::sort(parts.begin(), parts.end(),
-              [](const SpannedPart& a, const SpannedPart& b) { return a.sender.system < b.sender.system; });
-    model.top_tree.push_back({std::uint32_t(model.top_parts.size()), std::uint32_t(parts.size())});
-    model.top_parts.insert(model.top_parts.end(), parts.begin(), parts.end());
-    return {kSpanningNodes, std::uint32_t(model.top_tree.size() - 1)};
-  }
-
-  /// `weights` of the leaves from `first` on.
-  void append_parts(std::uint32_t node, std::uint32_t first, std::span<const double> weights, Model& model,
-                    std::vector<SpannedPart>& parts) {
-    const TreeNodeRange& range = senders_.tree.nodes[node];
-    if (!in_one_system(node)) {
-      append_parts(range.left, first, weights, model, parts);
-      append_parts(range.left + 1, first, weights, model, parts);
-      return;
-    }
-    use(node, model);
-    const auto own = weights.subspan(range.first - first, range.count);
-    parts.push_back({references_[node], float(std::accumulate(own.begin(), own.end(), 0.0))});
-  }
-
-  static constexpr std::uint32_t kUnused = 0xfffffffdu;
-  const SenderTree& senders_;
-  const NodeFlux* flux_;
-  std::vector<SenderRef> references_;
-};
-
 /// The nodes that some tiles of a system keep, as an import table, and the local column of each.
 class ImportTable {
  public:
@@ -164,6 +89,18 @@ class ImportTable {
     for (const auto node : tile.nodes) column_[node] = 0;
   }
   void use(std::uint32_t node) { column_[node] = 0; }
+  void use(const RowGroup& group, const std::vector<std::uint32_t>& leaves) {
+    if (group.tiles != nullptr) {
+      for (const CutTile& tile : *group.tiles) use(tile);
+    }
+    std::vector<std::uint8_t> seen(leaves.size(), 0);
+    for (const FormFactorRow* row : group.rows) {
+      for (const auto sender : row->senders) seen[sender] = 1;
+    }
+    for (std::size_t sender = 0; sender < seen.size(); ++sender) {
+      if (seen[sender] != 0) use(leaves[sender]);
+    }
+  }
   std::size_t count() const {
     return column_.size() - std::size_t(std::count(column_.begin(), column_.end(), kNone));
   }
@@ -230,13 +167,14 @@ class ImportTable {
   std::vector<std::uint32_t> stands_for_;  ///< per node, empty: each for itself
 };
 
-/// Mean directions of the form factors of a tile, row by row; none unless it has moments.
-std::vector<std::uint32_t> packed_directions(const CutTile& tile) {
+/// Mean directions of the form factors of rows, row by row; none unless they have moments.
+std::vector<std::uint32_t> packed_directions(std::span<const std::vector<float>> values,
+                                             std::span<const std::vector<glm::vec3>> moments) {
   std::vector<std::uint32_t> codes;
-  for (std::size_t r = 0; r < tile.moments.size(); ++r) {
-    for (std::size_t i = 0; i < tile.nodes.size(); ++i) {
-      const double value = tile.values[r][i];
-      codes.push_back(value > 0.0 ? pack_direction(glm::dvec3(tile.moments[r][i]) / value) : 0u);
+  for (std::size_t r = 0; r < moments.size(); ++r) {
+    for (std::size_t i = 0; i < moments[r].size(); ++i) {
+      const double value = values[r][i];
+      codes.push_back(value > 0.0 ? pack_direction(glm::dvec3(moments[r][i]) / value) : 0u);
     }
   }
   return codes;
@@ -245,15 +183,22 @@ std::vector<std::uint32_t> packed_directions(const CutTile& tile) {
 /// Appends tiles, or rows, to a matrix.
 class Appender {
  public:
-  Appender(const ImportTable& imports, bool shared, BlockMatrixBuilder& matrix)
-      : imports_(imports), shared_(shared), matrix_(matrix) {}
+  Appender(const ImportTable& imports, const std::vector<std::uint32_t>& leaves, bool shared,
+           BlockMatrixBuilder& matrix)
+      : imports_(imports), leaves_(leaves), shared_(shared), matrix_(matrix) {}
 
-  void operator()(const CutTile& given) {
-    if (imports_.is_coarsened()) {
-      append(imports_.coarsened(given));
-    } else {
-      append(given);
+  void append(const RowGroup& group) {
+    if (group.tiles == nullptr && !imports_.is_coarsened()) {
+      append_rows(group.rows);
+      return;
     }
+    visit_tiles(group, leaves_, [&](const CutTile& tile) {
+      if (imports_.is_coarsened()) {
+        append(imports_.coarsened(tile));
+      } else {
+        append(tile);
+      }
+    });
   }
 
  private:
@@ -261,7 +206,7 @@ class Appender {
     imports_.columns(tile, columns_);
     values_.clear();
     for (const auto& row : tile.values) values_.insert(values_.end(), row.begin(), row.end());
-    const std::vector<std::uint32_t> directions = packed_directions(tile);
+    const std::vector<std::uint32_t> directions = packed_directions(tile.values, tile.moments);
     if (shared_) {
       matrix_.append_tile(columns_, values_, std::uint32_t(tile.values.size()), directions);
     } else {
@@ -269,12 +214,33 @@ class Appender {
     }
   }
 
+  void append_rows(const std::vector<const FormFactorRow*>& rows) {
+    std::vector<std::uint16_t> column_of(leaves_.size());
+    for (std::size_t sender = 0; sender < leaves_.size(); ++sender)
+      column_of[sender] = std::uint16_t(imports_.column(leaves_[sender]));
+    for (const FormFactorRow* row : rows) {
+      columns_.resize(row->senders.size());
+      std::transform(row->senders.begin(), row->senders.end(), columns_.begin(),
+                     [&](std::uint32_t sender) { return column_of[sender]; });
+      matrix_.append_row(columns_, row->values, packed_directions({&row->values, 1}, {&row->moments, 1}));
+    }
+  }
+
   const ImportTable& imports_;
+  const std::vector<std::uint32_t>& leaves_;
   bool shared_;
   BlockMatrixBuilder& matrix_;
   std::vector<std::uint16_t> columns_;  // their memory serves again
   std::vector<double> values_;
 };
+
+std::size_t entry_count(const RowGroup& group) {
+  std::size_t entries = 0;
+  for (const FormFactorRow* row : group.rows) entries += row->senders.size();
+  if (group.tiles == nullptr) return entries;
+  for (const CutTile& tile : *group.tiles) entries += tile.nodes.size();
+  return entries;
+}
 
 /// Joins what the rows of the system see least until its columns can name the rest.
 void coarsen(const ModelParts& parts, const SystemRowGroups& groups, const std::vector<std::uint32_t>& leaves,
@@ -326,7 +292,7 @@ Result<void> store_system(const ModelParts& parts, ValueCodec codec, const Syste
                           System& system, Model& model, PrecomputeReport& report) {
   ImportTable imports(parts.senders.tree.nodes.size());
   for (const RowGroup* group : {&groups.clusters, &groups.lumels, &groups.sensors})
-    visit_tiles(*group, leaves, [&](const CutTile& tile) { imports.use(tile); });
+    imports.use(*group, leaves);
   for (const auto p : groups.probes) {
     for (const SeenSender& seen : parts.probes.rows[p].senders) imports.use(seen.sender);
   }
@@ -341,11 +307,12 @@ Result<void> store_system(const ModelParts& parts, ValueCodec codec, const Syste
   store_probes(parts, groups.probes, imports, system);
   const auto columns = std::uint32_t(system.imports.size());
   const bool shared = !parts.tiles.empty();
-  BlockMatrixBuilder bounce(columns, codec), gather(columns, codec);
-  tbb::parallel_invoke([&] { visit_tiles(groups.clusters, leaves, Appender(imports, shared, bounce)); },
+  BlockMatrixBuilder bounce(columns, codec, kMaxBlockBytes, entry_count(groups.clusters)),
+      gather(columns, codec, kMaxBlockBytes, entry_count(groups.lumels) + entry_count(groups.sensors));
+  tbb::parallel_invoke([&] { Appender(imports, leaves, shared, bounce).append(groups.clusters); },
                        [&] {
-                         visit_tiles(groups.lumels, leaves, Appender(imports, shared, gather));
-                         visit_tiles(groups.sensors, leaves, Appender(imports, false, gather));
+                         Appender(imports, leaves, shared, gather).append(groups.lumels);
+                         Appender(imports, leaves, false, gather).append(groups.sensors);
                        });
   system.bounce = std::move(bounce).finish();
   system.gather = std::move(gather).finish();

@@ -120,6 +120,17 @@ void encode_row(std::span<const double> values, ValueCodec codec, EncodedRow& ro
   row.scale = fits ? 1.0f : repaired_scale(row, codec, target);
 }
 
+/// Whether a row of f32 is its own code: nothing vanishes, and its sum needs no repair.
+bool stored_as_they_are(std::span<const float> values) {
+  double sum = 0.0;
+  bool normal = true;
+  for (const float value : values) {
+    sum += double(value);
+    normal = normal && value >= std::numeric_limits<float>::min();
+  }
+  return normal && sum <= 1.0;
+}
+
 void encode_tile(std::size_t row_count, std::size_t column_count, std::span<const double> values,
                  ValueCodec codec, EncodedTile& tile) {
   tile.rows.resize(row_count);
@@ -212,8 +223,12 @@ std::size_t block_bytes(const MatrixBlock& block) {
          block.directions.size() * sizeof(std::uint32_t);
 }
 
-BlockMatrixBuilder::BlockMatrixBuilder(std::uint32_t columns, ValueCodec codec, std::size_t max_block_bytes)
-    : codec_(codec), max_block_bytes_(max_block_bytes), tile_(std::make_unique<EncodedTile>()) {
+BlockMatrixBuilder::BlockMatrixBuilder(std::uint32_t columns, ValueCodec codec, std::size_t max_block_bytes,
+                                       std::size_t entries)
+    : codec_(codec),
+      max_block_bytes_(max_block_bytes),
+      entries_(entries),
+      tile_(std::make_unique<EncodedTile>()) {
   matrix_.columns = columns;
 }
 BlockMatrixBuilder::BlockMatrixBuilder(BlockMatrixBuilder&&) noexcept = default;
@@ -222,6 +237,24 @@ BlockMatrixBuilder::~BlockMatrixBuilder() = default;
 void BlockMatrixBuilder::append_row(std::span<const std::uint16_t> columns, std::span<const double> values,
                                     std::span<const std::uint32_t> directions) {
   append(columns, values, directions, 1, 1);
+}
+
+void BlockMatrixBuilder::append_row(std::span<const std::uint16_t> columns, std::span<const float> values,
+                                    std::span<const std::uint32_t> directions) {
+  if (codec_ != ValueCodec::f32 || !directions.empty() || !stored_as_they_are(values)) {
+    values_.assign(values.begin(), values.end());
+    append_row(columns, values_, directions);
+    return;
+  }
+  const std::size_t bytes =
+      sizeof(std::uint32_t) + sizeof(float) + values.size() * (sizeof(std::uint16_t) + value_bytes(codec_));
+  MatrixBlock& block = block_for(1, bytes);
+  const auto coded = std::as_bytes(values);
+  block.columns.insert(block.columns.end(), columns.begin(), columns.end());
+  block.values.insert(block.values.end(), coded.begin(), coded.end());
+  block.tile_offsets.push_back(static_cast<std::uint32_t>(block.columns.size()));
+  block.row_scales.push_back(1.0f);
+  ++block.row_count, ++matrix_.rows;
 }
 
 void BlockMatrixBuilder::append_tile(std::span<const std::uint16_t> columns, std::span<const double> values,
@@ -237,14 +270,8 @@ void BlockMatrixBuilder::append(std::span<const std::uint16_t> columns, std::spa
   EncodedTile& tile = *tile_;
   encode_tile(row_count, columns.size(), values, codec_, tile);
   const std::size_t bytes_of_direction = directions.empty() ? 0 : sizeof(std::uint32_t);
-  if (!fits(tile_rows, tile_bytes(tile, tile_rows, value_bytes(codec_) + bytes_of_direction))) {
-    MatrixBlock& fresh = matrix_.blocks.emplace_back();
-    fresh.first_row = matrix_.rows;
-    fresh.tile_rows = tile_rows;
-    fresh.codec = codec_;
-    fresh.tile_offsets.push_back(0);
-  }
-  MatrixBlock& block = matrix_.blocks.back();
+  MatrixBlock& block =
+      block_for(tile_rows, tile_bytes(tile, tile_rows, value_bytes(codec_) + bytes_of_direction));
   const std::size_t end = block.columns.size();
   block.columns.resize(end + tile.entries.size());
   for (std::size_t i = 0; i < tile.entries.size(); ++i) block.columns[end + i] = columns[tile.entries[i]];
@@ -254,6 +281,21 @@ void BlockMatrixBuilder::append(std::span<const std::uint16_t> columns, std::spa
   for (const EncodedRow& row : tile.rows) block.row_scales.push_back(row.scale);
   block.row_count += row_count;
   matrix_.rows += row_count;
+}
+
+MatrixBlock& BlockMatrixBuilder::block_for(std::uint32_t tile_rows, std::size_t bytes) {
+  if (fits(tile_rows, bytes)) return matrix_.blocks.back();
+  if (!matrix_.blocks.empty()) entries_ -= std::min(entries_, matrix_.blocks.back().columns.size());
+  MatrixBlock& fresh = matrix_.blocks.emplace_back();
+  fresh.first_row = matrix_.rows;
+  fresh.tile_rows = tile_rows;
+  fresh.codec = codec_;
+  fresh.tile_offsets.push_back(0);
+  const std::size_t bytes_of_entry = sizeof(std::uint16_t) + tile_rows * value_bytes(codec_),
+                    entries = std::min(entries_, max_block_bytes_ / bytes_of_entry);
+  fresh.columns.reserve(entries);
+  fresh.values.reserve(entries * tile_rows * value_bytes(codec_));
+  return fresh;
 }
 
 bool BlockMatrixBuilder::fits(std::uint32_t tile_rows, std::size_t bytes) const {

@@ -84,7 +84,9 @@ std::size_t block_bytes(const MatrixBlock& block);
 /// other: best when columns that follow each other stand for senders that lie side by side.
 class BlockMatrixBuilder {
  public:
-  BlockMatrixBuilder(std::uint32_t columns, ValueCodec codec, std::size_t max_block_bytes = kMaxBlockBytes);
+  /// `entries`: about so many will be appended.
+  BlockMatrixBuilder(std::uint32_t columns, ValueCodec codec, std::size_t max_block_bytes = kMaxBlockBytes,
+                     std::size_t entries = 0);
   BlockMatrixBuilder(BlockMatrixBuilder&&) noexcept;
   ~BlockMatrixBuilder();
 
@@ -92,6 +94,8 @@ class BlockMatrixBuilder {
   /// rounding, of equal length. Zero values are not stored. A tile of R = 1. `directions`: codes of
   /// core/packed_direction.h per value, for all rows of the matrix or none.
   void append_row(std::span<const std::uint16_t> columns, std::span<const double> values,
+                  std::span<const std::uint32_t> directions = {});
+  void append_row(std::span<const std::uint16_t> columns, std::span<const float> values,
                   std::span<const std::uint32_t> directions = {});
 
   /// A tile of R = 8 of 1 to 8 rows that share `columns`: value of row r and column entry c at [r *
@@ -107,12 +111,15 @@ class BlockMatrixBuilder {
  private:
   void append(std::span<const std::uint16_t> columns, std::span<const double> values,
               std::span<const std::uint32_t> directions, std::uint32_t row_count, std::uint32_t tile_rows);
-  /// Whether a tile of so many bytes may follow in the last block.
+  /// The last block, or a new one, so that a tile of so many bytes may follow.
+  MatrixBlock& block_for(std::uint32_t tile_rows, std::size_t bytes);
   bool fits(std::uint32_t tile_rows, std::size_t bytes) const;
 
   BlockMatrix matrix_;
   ValueCodec codec_;
   std::size_t max_block_bytes_;
+  std::size_t entries_;                ///< that are still expected
+  std::vector<double> values_;         ///< its memory serves again
   std::unique_ptr<EncodedTile> tile_;  ///< its memory serves again
 };
 

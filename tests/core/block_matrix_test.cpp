@@ -194,6 +194,27 @@ TEST(BlockMatrixBuilder, KeepsWhatRaysCountExactly) {
   EXPECT_EQ(decode(matrix).values, (std::vector<double>{300.0 / 512, 211.0 / 512, 1.0 / 512}));
 }
 
+TEST(BlockMatrixBuilder, StoresFloatsAsItStoresTheSameNumbersInDouble) {
+  const std::vector<std::vector<float>> rows{{0.25f, 0.5f, 0.125f}, {0.5f, 0.0f, 0.25f},
+                                             {0.5f, 1e-40f, 0.25f}, {0.7f, 0.3f, 1.2e-7f},
+                                             {0.0f, 0.0f, 0.0f},    {0.1f, 0.2f, 0.7f}};
+  for (const ValueCodec codec : {ValueCodec::f32, ValueCodec::unorm16, ValueCodec::sqrt8}) {
+    BlockMatrixBuilder floats(3, codec, kMaxBlockBytes, 18), doubles(3, codec);
+    for (const std::vector<float>& row : rows) {
+      floats.append_row(first_columns(3), row);
+      doubles.append_row(first_columns(3), std::vector<double>(row.begin(), row.end()));
+    }
+    const BlockMatrix a = std::move(floats).finish(), b = std::move(doubles).finish();
+    EXPECT_EQ(a.rows, b.rows);
+    ASSERT_EQ(a.blocks.size(), 1u);
+    EXPECT_EQ(a.blocks[0].row_count, b.blocks[0].row_count);
+    EXPECT_EQ(a.blocks[0].tile_offsets, b.blocks[0].tile_offsets);
+    EXPECT_EQ(a.blocks[0].columns, b.blocks[0].columns);
+    EXPECT_EQ(a.blocks[0].values, b.blocks[0].values);
+    EXPECT_EQ(a.blocks[0].row_scales, b.blocks[0].row_scales);
+  }
+}
+
 TEST(BlockMatrixBuilder, QuantisesToHalfAStepOfTheLargestValue) {
   const std::vector<double> values{0.5, 0.3, 0.1, 0.01, 0.001};
   BlockMatrixBuilder builder(5, ValueCodec::unorm16);
@@ -210,7 +231,7 @@ TEST(BlockMatrixBuilder, StoresNoZerosAndAllowsEmptyRows) {
   for (const ValueCodec codec : {ValueCodec::f32, ValueCodec::unorm16, ValueCodec::sqrt8}) {
     BlockMatrixBuilder builder(4, codec);
     builder.append_row(first_columns(4), std::vector<double>{0.0, 0.5, 0.0, 0.0});
-    builder.append_row({}, {});
+    builder.append_row({}, std::vector<double>());
     builder.append_row(first_columns(2), std::vector<double>{0.0, 0.0});
     const BlockMatrix matrix = std::move(builder).finish();
     ASSERT_TRUE(check_block_matrix(matrix, "built"));
