@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "precompute/geometry.h"
 
+#include <array>
+#include <bit>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <map>
+#include <unordered_map>
 
+#include "core/mix.h"
 #include "core/ray_offset.h"
 #include "scene/scene_opacity.h"
 #include "scene/surface_color.h"
@@ -63,14 +66,22 @@ Corners corners_of(const Geometry& geometry, std::uint32_t triangle) {
   return {geometry.positions[t[0]], geometry.positions[t[1]], geometry.positions[t[2]]};
 }
 
-struct CornersLess {
-  bool operator()(const Corners& a, const Corners& b) const {
-    for (std::size_t k = 0; k < 3; ++k) {
-      for (int axis = 0; axis < 3; ++axis) {
-        if (a[k][axis] != b[k][axis]) return a[k][axis] < b[k][axis];
-      }
+bool less(const glm::vec3& a, const glm::vec3& b) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (a[axis] != b[axis]) return a[axis] < b[axis];
+  }
+  return false;
+}
+
+struct CornersHash {
+  std::size_t operator()(const Corners& corners) const {
+    std::uint64_t hash = 0;
+    for (const glm::vec3& corner : corners) {
+      const auto bits =
+          std::bit_cast<std::array<std::uint32_t, 3>>(corner + 0.0f);  // -0 and +0 are one place
+      hash = mix(mix(hash, std::uint64_t{bits[0]} << 32 | bits[1]), bits[2]);
     }
-    return false;
+    return hash;
   }
 };
 
@@ -78,13 +89,14 @@ struct CornersLess {
 Corners canonical(Corners corners) {
   std::size_t least = 0;
   for (std::size_t k = 1; k < 3; ++k) {
-    if (CornersLess{}({corners[k], {}, {}}, {corners[least], {}, {}})) least = k;
+    if (less(corners[k], corners[least])) least = k;
   }
   return {corners[least], corners[(least + 1) % 3], corners[(least + 2) % 3]};
 }
 
 std::vector<std::uint32_t> find_opposites(const Geometry& geometry) {
-  std::map<Corners, std::uint32_t, CornersLess> seen;
+  std::unordered_map<Corners, std::uint32_t, CornersHash> seen;
+  seen.reserve(geometry.triangles.size());
   std::vector<std::uint32_t> opposite(geometry.triangles.size(), kNone);
   for (std::uint32_t t = 0; t < geometry.triangles.size(); ++t) {
     const Corners own = canonical(corners_of(geometry, t));

@@ -48,19 +48,26 @@ EdgeKey edge_key(const glm::vec3& a, const glm::vec3& b) {
 /// vertices do not matter).
 std::vector<std::vector<std::uint32_t>> neighbours(const Geometry& geometry, std::uint32_t first,
                                                    std::uint32_t last) {
-  std::unordered_map<EdgeKey, std::vector<std::uint32_t>, EdgeHash> edges;
-  edges.reserve(3 * (last - first));
+  struct Sharing {  // sides of triangles, numbered through, that lie on one edge
+    std::uint32_t first = kNone, last = kNone;
+  };
+  std::unordered_map<EdgeKey, Sharing, EdgeHash> edges;
+  edges.reserve(3 * (last - first) / 2);
+  std::vector<std::uint32_t> next(3 * (last - first), kNone);  // per side
   std::vector<std::vector<std::uint32_t>> result(last - first);
   for (std::uint32_t t = first; t < last; ++t) {
     const auto& corners = geometry.triangles[t];
-    for (std::size_t k = 0; k < 3; ++k) {
-      auto& sharing =
+    result[t - first].reserve(3);
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t side = 3 * (t - first) + k;
+      Sharing& sharing =
           edges[edge_key(geometry.positions[corners[k]], geometry.positions[corners[(k + 1) % 3]])];
-      for (const auto other : sharing) {
-        result[t - first].push_back(other);
-        result[other - first].push_back(t);
+      for (std::uint32_t other = sharing.first; other != kNone; other = next[other]) {
+        result[t - first].push_back(first + other / 3);
+        result[other / 3].push_back(t);
       }
-      sharing.push_back(t);
+      (sharing.first == kNone ? sharing.first : next[sharing.last]) = side;
+      sharing.last = side;
     }
   }
   return result;

@@ -85,9 +85,11 @@ void find_enclosed(const Geometry& geometry, const RayCaster& caster,
                    const std::array<glm::vec3, kDirections>& directions, std::size_t first, std::size_t count,
                    EnclosedGrid& grid) {
   std::array<int, kPacketSize> escaped{}, back{};
-  const auto open = [&](std::size_t i) {
-    return escaped[i] > kMaxEscapes * kDirections || back[i] > kMaxBackFaces * kDirections;
+  const auto open_with = [&](std::size_t i, int more) {
+    return escaped[i] + more > kMaxEscapes * kDirections || back[i] + more > kMaxBackFaces * kDirections;
   };
+  const auto open = [&](std::size_t i) { return open_with(i, 0); };
+  int left = kDirections;
   for (const glm::vec3& d : directions) {
     RayPacket packet{};
     packet.far.fill(-1.0f);
@@ -96,11 +98,12 @@ void find_enclosed(const Geometry& geometry, const RayCaster& caster,
       const glm::vec3 from = grid.point(first + std::min(i, count - 1));
       packet.origin_x[i] = from.x, packet.origin_y[i] = from.y, packet.origin_z[i] = from.z;
       packet.direction_x[i] = d.x, packet.direction_y[i] = d.y, packet.direction_z[i] = d.z;
-      if (i >= count || open(i)) continue;
+      if (i >= count || open(i) || !open_with(i, left)) continue;
       packet.far[i] = std::numeric_limits<float>::infinity();
       any = true;
     }
     if (!any) break;
+    --left;
     const RayPacket::Floats far = packet.far;
     caster.closest_hits(packet, RaySpread::narrow);
     for (std::size_t i = 0; i < count; ++i) {
