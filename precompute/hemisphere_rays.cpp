@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "precompute/hemisphere_rays.h"
 
+#include <algorithm>
 #include <limits>
+#include <numeric>
 
 namespace relume {
 namespace {
@@ -46,28 +48,38 @@ struct DirectionLanes {
   rays.far.fill(std::numeric_limits<float>::infinity());
 }
 
-[[gnu::target_clones("avx2", "default")]] void make_samples(const SobolPoints& points, std::uint32_t first,
+[[gnu::target_clones("avx2", "default")]] void make_samples(const SobolPoints& points,
+                                                            const std::array<std::uint32_t, kLanes>& some,
                                                             std::uint64_t key, SampleLanes& samples) {
-  points.scrambled(first, key, samples);
+  points.scrambled(some, key, samples);
 }
 
 }  // namespace
 
 void make_packet(const Geometry& geometry, const Receiver& receiver, const SobolPoints& points,
-                 std::uint64_t key, std::uint32_t first, HemispherePacket& packet) {
+                 std::uint64_t key, std::span<const std::uint32_t> some, HemispherePacket& packet) {
+  std::array<std::uint32_t, kLanes> chosen;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    chosen[lane] = some[std::min(lane, some.size() - 1)];
+    packet.numbers[lane] = points.number(chosen[lane]);
+  }
   SampleLanes samples;
-  make_samples(points, first, key, samples);
+  make_samples(points, chosen, key, samples);
   make_rays(samples, receiver.origins(), geometry.offset, packet.origins, packet.rays);
-  for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
-    packet.used[lane] = first + lane < points.count();
-    if (!packet.used[lane]) packet.rays.far[lane] = -1.0f;
+  packet.used.fill(true);
+  for (std::size_t lane = some.size(); lane < kLanes; ++lane) {
+    packet.used[lane] = false;
+    packet.rays.far[lane] = -1.0f;
   }
 }
 
 void fill_packet(const Geometry& geometry, const RayCaster& caster, const Receiver& receiver,
                  const SobolPoints& points, std::uint64_t key, std::uint32_t first,
                  HemispherePacket& packet) {
-  make_packet(geometry, receiver, points, key, first, packet);
+  std::array<std::uint32_t, kLanes> some;
+  std::iota(some.begin(), some.end(), first);
+  make_packet(geometry, receiver, points, key,
+              std::span(some).first(std::min<std::size_t>(kLanes, points.count() - first)), packet);
   for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
     if (!packet.used[lane] || receiver.owns(geometry, caster, packet.origins, lane)) continue;
     packet.used[lane] = false;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 
 #include "precompute/geometry.h"
 #include "precompute/ray_caster.h"
@@ -18,7 +19,8 @@ namespace relume {
 /// receiver) have far < near.
 struct HemispherePacket {
   RayPacket rays;
-  PointLanes origins;  ///< on the surface, not lifted
+  PointLanes origins;                              ///< on the surface, not lifted
+  std::array<std::uint32_t, kPacketSize> numbers;  ///< of their points in the sequence
   std::array<bool, kPacketSize> used;
 
   std::uint32_t used_lanes() const {  ///< as bits
@@ -34,12 +36,13 @@ struct HemispherePacket {
   }
 };
 
-/// Rays of points [first, first + kPacketSize) of the sequence that belongs to `key`; `first` is a multiple
-/// of kPacketSize. All lanes up to the last point are used, walls or not.
+/// Rays of some points, at least one and at most kPacketSize, of the sequence that belongs to `key`. All of
+/// their lanes are used, walls or not.
 void make_packet(const Geometry& geometry, const Receiver& receiver, const SobolPoints& points,
-                 std::uint64_t key, std::uint32_t first, HemispherePacket& packet);
+                 std::uint64_t key, std::span<const std::uint32_t> some, HemispherePacket& packet);
 
-/// The same, without the lanes where a wall cuts into the receiver.
+/// Of points [first, first + kPacketSize), as far as there are, without the lanes where a wall cuts into the
+/// receiver.
 void fill_packet(const Geometry& geometry, const RayCaster& caster, const Receiver& receiver,
                  const SobolPoints& points, std::uint64_t key, std::uint32_t first, HemispherePacket& packet);
 

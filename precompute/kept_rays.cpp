@@ -102,8 +102,14 @@ void KeptRays::translate(const Surfaces& surfaces, const RayCaster& caster, cons
   }
 }
 
-KeptSenders KeptRays::senders(const SenderLookup& lookup, const Emitters& emitters) const {
-  KeptSenders kept{lookup.numbering(), std::vector<KeptSenders::Met>(old_.element_keys.size()), {}};
+KeptSenders KeptRays::senders(const SenderLookup& lookup, std::span<const std::uint32_t> seen,
+                              std::uint32_t open) const {
+  KeptSenders kept;
+  for (const std::uint32_t code : new_codes_) {
+    const std::uint32_t now = code == RayCodes::kUnknown ? open : seen[code];
+    kept.met.push_back({now == open ? std::uint32_t{RayCodes::kUnknown} : code, now});
+  }
+  kept.met.push_back({RayCodes::kUnknown, open});
   std::vector<Box> boxes;
   const auto for_each_kept = [&](auto&& visit) {
     for (std::uint32_t e = 0; e < old_elements_.size(); ++e) {
@@ -111,7 +117,6 @@ KeptSenders KeptRays::senders(const SenderLookup& lookup, const Emitters& emitte
     }
   };
   for_each_kept([&](std::uint32_t e, std::uint32_t sender) {
-    if (!emitters.contain(sender)) kept.met[old_elements_[e]] = {codes_.element(e), sender};
     const Box own{balls_[e].middle - balls_[e].radius, balls_[e].middle + balls_[e].radius};
     if (sender >= boxes.size()) boxes.resize(sender + 1, {glm::vec3(kFar), glm::vec3(-kFar)});
     boxes[sender] = join(boxes[sender], own);

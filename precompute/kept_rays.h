@@ -33,11 +33,11 @@ struct Ball {
 /// What rays of an earlier precompute see among senders of this one.
 struct KeptSenders {
   struct Met {
-    std::uint32_t code = RayCodes::kUnknown;  ///< of the element in this scene
-    std::uint32_t sender = 0;
+    std::uint32_t code = RayCodes::kUnknown;  ///< in this scene
+    std::uint32_t seen = 0;                   ///< as a number to count by
   };
-  std::uint32_t numbering = 0;  ///< SenderLookup::numbering of these senders
-  /// Per element of the old scene; unknown when it is gone or changed, or belongs to a possible emitter.
+  /// Per code of the old scene; unknown when it is gone or changed, or belongs to a possible emitter. Then
+  /// one more, for whatever is no code, that is unknown.
   std::vector<Met> met;
   std::vector<Ball> balls;  ///< per sender that is a cluster: they hold all of it
 };
@@ -62,15 +62,16 @@ class KeptRays {
   std::uint32_t old_code(const OldRays& rays, std::uint32_t ray) const {
     return ray < rays.rays ? load_code(rays.codes, old_width_, ray) : RayCodes::kUnknown;
   }
-  std::uint32_t old_first_element() const { return old_codes_.first_element(); }
+  std::uint32_t old_width() const { return old_width_; }
   /// The same in the codes of this scene; kUnknown when it is gone or changed.
   std::uint32_t translated(std::uint32_t old_code) const {
     return old_code < new_codes_.size() ? new_codes_[old_code] : RayCodes::kUnknown;
   }
   std::uint32_t code(const OldRays& rays, std::uint32_t ray) const { return translated(old_code(rays, ray)); }
   SampleState sample(const OldRays& rays, std::uint32_t sample) const;
-  /// With the senders that elements belong to now.
-  KeptSenders senders(const SenderLookup& lookup, const Emitters& emitters) const;
+  /// `seen`: per code of this scene, a number to count by; `open` of those that are to be asked for.
+  KeptSenders senders(const SenderLookup& lookup, std::span<const std::uint32_t> seen,
+                      std::uint32_t open) const;
 
   /// Whether all light patches of an element of this scene belonged to it, and nothing there has changed.
   bool was_whole(std::uint32_t element) const;

@@ -115,9 +115,10 @@ struct Preparation {
       : emitters(possible_emitters(scene, surfaces)),
         rows{surfaces.geometry, caster, lookup, emitters, surfaces.cluster_count(),
              kSkyResolution,    {},     seed,   false,    memory} {
-    if (memory != nullptr) follow_senders(lookup, emitters, *memory);
     rows.sky_senders.resize(6 * kSkyResolution * kSkyResolution);
     std::iota(rows.sky_senders.begin(), rows.sky_senders.end(), surfaces.cluster_count());
+    if (memory != nullptr)
+      follow_senders(lookup, emitters, rows.sky_senders, std::uint32_t(sender_count(rows)), *memory);
   }
 
   const Probing* known() const { return probing ? &*probing : nullptr; }
@@ -354,7 +355,6 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
     }
   }
   auto model = trace_model(rows, plan, counts, report, observer);
-  return_free_memory();  // of rows: the file's bytes are large
   if (model && options.keep_rows) report.rows = keeper->finish(report);
   report.seconds_total = seconds_since(start);
   report.peak_memory = peak_resident_bytes();

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/block_matrix.h"
+#include "core/file_parts.h"
 #include "core/model.h"
 #include "core/result.h"
 #include "scene/scene.h"
@@ -116,7 +117,7 @@ struct PrecomputeReport {
   double seconds_total = 0.0;
   std::uint64_t peak_memory = 0;  ///< bytes that the process has had at most so far
   std::vector<std::string> warnings;
-  std::vector<std::byte> rows;  ///< where asked for: the bytes of a .rows file (rows_file.h)
+  FileParts rows;  ///< where asked for: the bytes of a .rows file (rows_file.h)
 };
 
 /// The same scene and options give the same model, bit for bit, for any number of threads.

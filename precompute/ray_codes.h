@@ -36,7 +36,7 @@ struct RayCodes {
   static constexpr std::uint32_t kFirst = kFirstCell + 6 * kSkyResolution * kSkyResolution;
 };
 
-/// Bytes that may be read or written beyond the last code.
+/// Bytes that may be read beyond the last code.
 inline constexpr std::size_t kCodePadding = 3;
 
 inline std::uint32_t load_code(const std::byte* codes, std::uint32_t width, std::size_t index) {
@@ -45,12 +45,23 @@ inline std::uint32_t load_code(const std::byte* codes, std::uint32_t width, std:
   return word & (0xffffffffu >> (32 - 8 * width));
 }
 
+/// Reads nothing beyond the code.
+inline std::uint32_t load_exactly(const std::byte* codes, std::uint32_t width, std::size_t index) {
+  const std::byte* const at = codes + width * index;
+  std::uint32_t code = std::to_integer<std::uint32_t>(at[0]);
+  if (width > 1) code |= std::to_integer<std::uint32_t>(at[1]) << 8;
+  if (width > 2) code |= std::to_integer<std::uint32_t>(at[2]) << 16;
+  if (width > 3) code |= std::to_integer<std::uint32_t>(at[3]) << 24;
+  return code;
+}
+
 inline void store_code(std::byte* codes, std::uint32_t width, std::size_t index, std::uint32_t code) {
-  const std::uint32_t mask = 0xffffffffu >> (32 - 8 * width);
-  std::uint32_t word = 0;
-  std::memcpy(&word, codes + width * index, sizeof word);
-  word = (word & ~mask) | code;
-  std::memcpy(codes + width * index, &word, sizeof word);
+  // Byte by byte: a word that overlaps the one written before would have to wait for it.
+  std::byte* const at = codes + width * index;
+  at[0] = std::byte(code);
+  if (width > 1) at[1] = std::byte(code >> 8);
+  if (width > 2) at[2] = std::byte(code >> 16);
+  if (width > 3) at[3] = std::byte(code >> 24);
 }
 
 }  // namespace relume

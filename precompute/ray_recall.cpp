@@ -20,14 +20,28 @@ bool before(const EmitterHit& hit, std::uint32_t ray) {
 
 }  // namespace
 
-void follow_senders(const SenderLookup& lookup, const Emitters& emitters, RayMemory& memory) {
+void follow_senders(const SenderLookup& lookup, const Emitters& emitters,
+                    std::span<const std::uint32_t> sky_senders, std::uint32_t sender_count,
+                    RayMemory& memory) {
+  const RayCodes& codes = memory.codes;
+  const std::uint32_t open = sender_count + kIsOpen;
   memory.emitters = emitters_key(emitters);
-  if (memory.kept != nullptr) memory.senders = memory.kept->senders(lookup, emitters);
+  memory.sender_count = sender_count;
+  memory.seen.assign(codes.count(), open);
+  memory.seen[RayCodes::kNoRay] = sender_count + kIsNoRay;
+  std::copy(sky_senders.begin(), sky_senders.end(), memory.seen.begin() + RayCodes::kFirstCell);
+  std::fill_n(memory.seen.begin() + codes.back(0), codes.triangles, sender_count + kSeesBack);
+  std::fill_n(memory.seen.begin() + codes.bare(0), codes.triangles, sender_count + kSeesNothing);
+  for (std::uint32_t e = 0; e < codes.elements; ++e) {
+    const std::uint32_t sender = lookup.sender_of(e);
+    if (!emitters.contain(sender)) memory.seen[codes.element(e)] = sender;
+  }
+  if (memory.kept != nullptr) memory.senders = memory.kept->senders(lookup, memory.seen, open);
 }
 
 RayRecall::RayRecall(RayMemory& memory, const Emitters& emitters, const SenderLookup& lookup)
     : memory_(memory), emitters_(emitters), lookup_(lookup), width_(memory.codes.width()) {
-  clear_senders_.resize(memory.senders.balls.size(), 0);
+  clear_senders_.resize(memory.sender_count + kSeenBeyond, 0);
 }
 
 void RayRecall::open_record(std::uint64_t identity, std::uint32_t rays, std::uint32_t samples) {
@@ -36,7 +50,7 @@ void RayRecall::open_record(std::uint64_t identity, std::uint32_t rays, std::uin
   blank_ = known_->rays == 0;
   if (known_->rays < rays) {
     known_->rays = rays;
-    known_->codes.resize(std::size_t{rays} * width_ + kCodePadding, std::byte{0});
+    known_->codes.resize(std::size_t{rays} * width_, std::byte{0});
   }
   if (known_->emitters != memory_.emitters) known_->samples.clear();
   known_->emitters = memory_.emitters;
@@ -109,59 +123,73 @@ bool RayRecall::tell(std::uint32_t code, std::uint32_t ray, std::span<const Emit
 
 std::uint32_t RayRecall::known_code(std::uint32_t ray) const {
   if (known_ == nullptr || ray >= known_->rays) return RayCodes::kUnknown;
-  return load_code(known_->codes.data(), width_, ray);
-}
-
-/// Of a ray of this run.
-std::uint32_t RayRecall::known_place(std::uint32_t code, std::uint32_t& sender) const {
-  PacketSight sight;
-  if (!tell(code, 0, {}, 0, sight)) return kNotKnown;
-  if (sees_element(sight.place[0])) sender = sight.sender[0];
-  return sight.place[0];
+  return load_exactly(known_->codes.data(), width_, ray);
 }
 
 /// Whether nothing new can stand before any of a sender, seen from the receiver.
-bool RayRecall::stands_clear_of(std::uint32_t sender) {
-  std::uint32_t& clear = clear_senders_[sender];
+bool RayRecall::stands_clear_of(std::uint32_t seen) {
+  std::uint32_t& clear = clear_senders_[seen];
   if (clear / 2 != vantages_) {
-    const Ball& ball = memory_.senders.balls[sender];
-    clear = 2 * vantages_ + (memory_.kept->stands_clear(vantage_.middle, vantage_.radius, ball) ? 1u : 0u);
+    const std::vector<Ball>& balls = memory_.senders.balls;
+    const bool is_clear = seen < balls.size()
+                              ? memory_.kept->stands_clear(vantage_.middle, vantage_.radius, balls[seen])
+                              : seen >= memory_.sender_count + kIsNoRay;
+    clear = 2 * vantages_ + (is_clear ? 1u : 0u);
   }
   return clear % 2 != 0;
 }
 
-/// Of a ray of the old ones.
-std::uint32_t RayRecall::kept_place(std::uint32_t ray, std::uint32_t& code, std::uint32_t& sender) {
-  const std::uint32_t old_code = memory_.kept->old_code(*old_, ray);
-  const std::uint32_t element = old_code - memory_.kept->old_first_element();  // large for all other codes
-  if (element < memory_.senders.met.size()) {
-    const KeptSenders::Met& met = memory_.senders.met[element];
-    if (met.code == RayCodes::kUnknown) return kNotKnown;
-    code = met.code, sender = met.sender;
-    const bool clear = !faces_changes_ || stands_clear_of(sender) || stands_clear(code);
-    return clear ? code - memory_.codes.first_element() : kNotKnown;
-  }
-  code = memory_.kept->translated(old_code);
-  if (code == RayCodes::kUnknown || !stands_clear(code)) return kNotKnown;
-  return known_place(code, sender);
+std::uint32_t RayRecall::with_doubt(std::uint32_t seen, std::uint32_t code) {
+  return stands_clear_of(seen) || stands_clear(code) ? seen : seen | kDoubtful;
 }
 
-void RayRecall::know(std::span<const std::uint32_t> numbers, KnownSights& sights) {
-  const bool recorded = known_ != nullptr && !blank_;
-  const bool kept = old_ && memory_.senders.numbering == lookup_.numbering();
-  if (!recorded && !kept) return;
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    std::uint32_t code = recorded ? known_code(numbers[i]) : RayCodes::kUnknown;
-    if (code != RayCodes::kUnknown) {
-      sights.place[i] = known_place(code, sights.sender[i]);
-      continue;
-    }
-    if (!kept) continue;
-    sights.place[i] = kept_place(numbers[i], code, sights.sender[i]);
-    if (sights.place[i] == kNotKnown) continue;
-    if (known_ != nullptr) book_code(numbers[i], code);
-    kept_rays_ += sights.place[i] != kNoRay ? 1 : 0;
+bool RayRecall::know(std::span<const std::uint32_t> numbers, std::vector<std::uint32_t>& seen) {
+  seen.assign(numbers.size(), memory_.sender_count + kIsOpen);
+  if (known_ != nullptr && !blank_) {
+    for (std::size_t i = 0; i < numbers.size(); ++i) seen[i] = memory_.seen[known_code(numbers[i])];
   }
+  return old_ && know_old(numbers, seen);
+}
+
+/// Of the rays that are still open. All that the loop needs is in local variables: rays are many, and what it
+/// writes might be anything.
+bool RayRecall::know_old(std::span<const std::uint32_t> numbers, std::span<std::uint32_t> seen) {
+  const std::uint32_t senders = memory_.sender_count, open = senders + kIsOpen, clear = 2 * vantages_ + 1,
+                      rays = known_ != nullptr ? std::min(old_->rays, known_->rays) : old_->rays,
+                      old_width = memory_.kept->old_width(), width = width_;
+  const KeptSenders::Met* const met = memory_.senders.met.data();
+  const std::uint32_t last = std::uint32_t(memory_.senders.met.size()) - 1;
+  const std::byte* const old_codes = old_->codes;
+  std::byte* const codes = known_ != nullptr ? known_->codes.data() : nullptr;
+  const std::uint32_t* const clear_senders = clear_senders_.data();
+  const bool faces_changes = faces_changes_;
+  std::uint32_t kept = 0, doubtful = 0;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::uint32_t ray = numbers[i];
+    if (seen[i] != open || ray >= rays) continue;
+    const KeptSenders::Met now = met[std::min(load_code(old_codes, old_width, ray), last)];
+    std::uint32_t place = now.seen;
+    if (faces_changes && clear_senders[place] != clear) place = with_doubt(place, now.code);
+    seen[i] = place;
+    kept += place < senders + kIsNoRay ? 1 : 0;
+    doubtful += place > open ? 1 : 0;
+    if (codes != nullptr && place < open) store_code(codes, width, ray, now.code);
+  }
+  kept_rays_ += kept;
+  return doubtful > 0;
+}
+
+std::uint32_t RayRecall::confirm(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays) {
+  std::array<std::uint32_t, kPacketSize> codes{};
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
+    if ((lanes >> lane & 1u) != 0) codes[lane] = memory_.kept->code(*old_, numbers[lane]);
+  }
+  const std::uint32_t clear = lanes & ~memory_.kept->blocked(rays, lanes, codes);
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize) && known_ != nullptr; ++lane) {
+    if ((clear >> lane & 1u) != 0) book_code(numbers[lane], codes[lane]);
+  }
+  kept_rays_ += std::uint64_t(std::popcount(clear));
+  return clear;
 }
 
 /// Whether nothing new can stand before what the receiver saw, wherever on both the ray began and ended.
@@ -217,7 +245,7 @@ void RayRecall::book_emitter_hit(std::uint32_t ray, std::size_t lane, const Pack
 void RayRecall::book_code(std::uint32_t ray, std::uint32_t code) {
   if (ray >= known_->rays) {
     known_->rays = ray + 1;
-    known_->codes.resize(std::size_t{known_->rays} * width_ + kCodePadding, std::byte{0});
+    known_->codes.resize(std::size_t{known_->rays} * width_, std::byte{0});
   }
   store_code(known_->codes.data(), width_, ray, code);
 }

@@ -20,11 +20,16 @@ struct RayMemory {
   std::optional<RayRecord> record;  ///< of those of this run, where they are to be kept
   const KeptRays* kept = nullptr;   ///< of an earlier one
   KeptSenders senders;              ///< of `kept`
+  std::uint32_t sender_count = 0;   ///< cells of the sky are among them
+  std::vector<std::uint32_t> seen;  ///< per code: a number to count by; open those of possible emitters
   std::uint64_t emitters = 0;  ///< key of the possible emitters (geometry_keys.h) that samples are drawn from
 };
 
-/// Call it for possible emitters that are new, and whenever senders have new numbers.
-void follow_senders(const SenderLookup& lookup, const Emitters& emitters, RayMemory& memory);
+/// Call it for possible emitters that are new, and whenever senders have new numbers. `sky_senders`: per
+/// cell.
+void follow_senders(const SenderLookup& lookup, const Emitters& emitters,
+                    std::span<const std::uint32_t> sky_senders, std::uint32_t sender_count,
+                    RayMemory& memory);
 
 /// One per thread: answers for rays whose answers are known, and books those of others.
 class RayRecall {
@@ -37,8 +42,10 @@ class RayRecall {
   void begin(std::uint64_t identity, const Receiver& receiver, std::uint32_t rays, std::uint32_t samples);
   void end();
 
-  /// As RaySight::know; all places are kNotKnown at first.
-  void know(std::span<const std::uint32_t> numbers, KnownSights& sights);
+  /// As RaySight::know.
+  bool know(std::span<const std::uint32_t> numbers, std::vector<std::uint32_t>& seen);
+  /// As RaySight::confirm.
+  std::uint32_t confirm(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays);
   /// Of the lanes `asked`, with these numbers in the sequence: those that are known, and what they see. Of
   /// the rays of the packet only origins and directions count.
   std::uint32_t recall(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,
@@ -57,9 +64,9 @@ class RayRecall {
   std::uint64_t kept_samples() const { return kept_samples_; }
 
  private:
-  std::uint32_t known_place(std::uint32_t code, std::uint32_t& sender) const;
-  std::uint32_t kept_place(std::uint32_t ray, std::uint32_t& code, std::uint32_t& sender);
-  bool stands_clear_of(std::uint32_t sender);
+  bool know_old(std::span<const std::uint32_t> numbers, std::span<std::uint32_t> seen);
+  bool stands_clear_of(std::uint32_t seen);
+  std::uint32_t with_doubt(std::uint32_t seen, std::uint32_t code);
   bool tell(std::uint32_t code, std::uint32_t ray, std::span<const EmitterHit> hits, std::size_t lane,
             PacketSight& sight) const;
   std::uint32_t recall_old(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,
@@ -87,7 +94,8 @@ class RayRecall {
   float reach_ = 0.0f;          ///< m, from there to the origins of its rays
   Ball vantage_{};              ///< holds the origins of all rays of the receiver, and of others around it
   std::uint32_t vantages_ = 0;  ///< so many there were
-  std::vector<std::uint32_t> clear_senders_;  ///< twice vantages_, when last asked, and 1 for yes
+  /// Per number to count by: twice vantages_, when last asked, and 1 for yes.
+  std::vector<std::uint32_t> clear_senders_;
   std::uint64_t kept_rays_ = 0, kept_samples_ = 0;
 };
 

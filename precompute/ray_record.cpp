@@ -15,25 +15,22 @@ void append_samples(const std::vector<SampleState>& samples, std::vector<std::by
 
 }  // namespace
 
-RayRecord::RayRecord(const RayCodes& codes) : codes_(codes), shelves_(kShelves) {
+RayRecord::RayRecord(const RayCodes& codes) : shelves_(kShelves) {
   for (Shelf& shelf : shelves_) shelf.rays.reserve(codes.elements / kShelves + codes.elements / kShelves / 8);
 }
 
 KnownRays& RayRecord::of(std::uint64_t identity) {
   Shelf& shelf = shelves_[identity % kShelves];
   const std::lock_guard lock(shelf.mutex);
-  std::unique_ptr<KnownRays>& known = shelf.rays[identity];
-  if (!known) known = std::make_unique<KnownRays>();
-  return *known;
+  return shelf.rays[identity];
 }
 
-std::vector<std::byte> RayRecord::encode(RowsFile& file) {
-  std::vector<std::pair<std::uint64_t, std::unique_ptr<KnownRays>>> all;
+FileParts RayRecord::encode(RowsFile& file) {
+  std::vector<std::pair<std::uint64_t, KnownRays*>> all;
   for (Shelf& shelf : shelves_) {
-    for (auto& [identity, known] : shelf.rays) all.emplace_back(identity, std::move(known));
-    shelf.rays.clear();
+    for (auto& [identity, known] : shelf.rays) all.emplace_back(identity, &known);
   }
-  std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::sort(all.begin(), all.end());
   std::vector<std::byte> samples;
   std::vector<EmitterHit> hits;
   std::vector<std::span<const std::byte>> codes;
@@ -43,10 +40,13 @@ std::vector<std::byte> RayRecord::encode(RowsFile& file) {
                               std::uint32_t(known->emitter_hits.size()), 0});
     if (current) append_samples(known->samples, samples);
     hits.insert(hits.end(), known->emitter_hits.begin(), known->emitter_hits.end());
-    codes.push_back(std::span(known->codes).first(std::size_t{known->rays} * codes_.width()));
+    codes.emplace_back(known->codes);
   }
   file.samples = samples, file.emitter_hits = hits;
-  return encode_rows(file, codes);
+  FileParts parts = encode_rows(file, codes);
+  for (const auto& [identity, known] : all) parts.owned.push_back(std::move(known->codes));
+  for (Shelf& shelf : shelves_) shelf.rays.clear();
+  return parts;
 }
 
 }  // namespace relume

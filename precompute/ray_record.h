@@ -18,7 +18,7 @@ namespace relume {
 struct KnownRays {
   std::mutex in_use;                     ///< hold it while you read or write
   std::uint32_t rays = 0;                ///< room for so many codes
-  std::vector<std::byte> codes;          ///< empty, or `rays` codes and kCodePadding bytes
+  std::vector<std::byte> codes;          ///< `rays` of them
   std::vector<EmitterHit> emitter_hits;  ///< ascending by ray, between the rows of a receiver
   std::vector<SampleState> samples;
   std::uint64_t emitters = 0;  ///< key of those that the samples were drawn from
@@ -33,15 +33,14 @@ class RayRecord {
   KnownRays& of(std::uint64_t identity);
   /// The bytes of a .rows file of everything, with the rest of it in `file`; forgets it. Samples of other
   /// emitters than settings.emitters of the file are left out.
-  std::vector<std::byte> encode(RowsFile& file);
+  FileParts encode(RowsFile& file);
 
  private:
   static constexpr std::size_t kShelves = 64;
   struct Shelf {
     std::mutex mutex;
-    std::unordered_map<std::uint64_t, std::unique_ptr<KnownRays>> rays;
+    std::unordered_map<std::uint64_t, KnownRays> rays;
   };
-  RayCodes codes_;
   std::vector<Shelf> shelves_;
 };
 

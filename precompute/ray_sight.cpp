@@ -47,10 +47,12 @@ std::uint64_t RaySight::kept_samples() const {
   return recall_ ? recall_->kept_samples() : 0;
 }
 
-void RaySight::know(std::span<const std::uint32_t> numbers, KnownSights& sights) {
-  sights.place.assign(numbers.size(), kNotKnown);
-  sights.sender.resize(numbers.size());
-  if (recall_) recall_->know(numbers, sights);
+bool RaySight::know(std::span<const std::uint32_t> numbers, std::vector<std::uint32_t>& seen) {
+  return recall_->know(numbers, seen);
+}
+
+std::uint32_t RaySight::confirm(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays) {
+  return recall_->confirm(numbers, lanes, rays);
 }
 
 std::uint32_t RaySight::recall(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,

@@ -22,14 +22,14 @@ struct RayMemory;
 using RayNumbers = std::span<const std::uint32_t, kPacketSize>;
 
 /// In place of an element, besides kNone (a surface without elements) and SenderLookup::kBlackBack: there is
-/// no ray; nobody knows yet; and, from kSky on, a cell of the sky.
-inline constexpr std::uint32_t kNoRay = kNone - 2, kNotKnown = kNone - 3, kSky = 0xf0000000u;
+/// no ray; and, from kSky on, a cell of the sky.
+inline constexpr std::uint32_t kNoRay = kNone - 2, kSky = 0xf0000000u;
 
 inline bool sees_element(std::uint32_t place) {
   return place < kSky;
 }
 inline bool sees_sky(std::uint32_t place) {
-  return place >= kSky && place < kNotKnown;
+  return place >= kSky && place < kNoRay;
 }
 
 /// What the lanes of a packet see.
@@ -41,11 +41,16 @@ struct PacketSight {
   std::array<float, kPacketSize> distance, cosine;
 };
 
-/// What many rays see, as in PacketSight; kNotKnown where they have to be asked for, packet by packet. Never
-/// possible emitters.
-struct KnownSights {
-  std::vector<std::uint32_t> place, sender;
+/// What a ray sees as a number to count by: a sender, or one of these, so many more than there are senders.
+enum SeenBeyond : std::uint32_t {
+  kSeesBack = 0,  ///< SenderLookup::kBlackBack
+  kSeesNothing,   ///< kNone
+  kIsNoRay,
+  kIsOpen,  ///< not known
+  kSeenBeyond
 };
+/// Together with a sender: unless something new stands before it.
+inline constexpr std::uint32_t kDoubtful = 0x80000000u;
 
 /// Of samples of emitters' area, lane by lane as bits.
 struct SeenSamples {
@@ -66,9 +71,12 @@ class RaySight {
   void begin(std::uint64_t identity, const Receiver& receiver, std::uint32_t rays, std::uint32_t samples);
   void end();
 
-  /// What the rays with these numbers see, where that is known without a look at where they go: not where
-  /// something that moved may stand in the way.
-  void know(std::span<const std::uint32_t> numbers, KnownSights& sights);
+  /// What the rays with these numbers see, as numbers to count by; possible emitters are left open. Returns
+  /// whether any are doubtful. Only with a memory.
+  bool know(std::span<const std::uint32_t> numbers, std::vector<std::uint32_t>& seen);
+  /// Of doubtful lanes of a packet: those that see what they saw. Of the rays only origins and directions
+  /// count.
+  std::uint32_t confirm(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays);
 
   /// What the lanes `asked` see; the others have no ray. `own(lanes)`: those of the lanes that belong to the
   /// receiver; only asked of rays that must be traced. `rays` is used up.

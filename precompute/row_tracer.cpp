@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
 
 #include "core/quantities.h"
 
@@ -37,6 +38,13 @@ std::uint32_t owned_lanes(const RowScene& scene, const Receiver& receiver, const
   return lanes;
 }
 
+/// Calls with so many points that they fill a packet, the last ones with fewer.
+template <class Use>
+void for_each_packet(std::span<const std::uint32_t> points, Use&& use) {
+  for (; !points.empty(); points = points.subspan(std::min<std::size_t>(kPacketSize, points.size())))
+    use(points.first(std::min<std::size_t>(kPacketSize, points.size())));
+}
+
 }  // namespace
 
 std::size_t sender_count(const RowScene& scene) {
@@ -47,12 +55,12 @@ RowTracer::RowTracer(const RowScene& scene)
     : scene_(scene),
       sight_(scene.geometry, scene.caster, scene.lookup, scene.emitters, scene.memory),
       emitter_points_(scene.emitters.list.empty() ? 0 : kMaxAreaSamples),
-      counts_(sender_count(scene), 0),
+      counts_(sender_count(scene) + kSeenBeyond, 0),
       touched_(counts_.size()),
       emitter_sums_(scene.emitters.list.size(), 0.0),
       area_sums_(scene.emitters.list.size(), 0.0) {
   if (!scene.directional) return;
-  direction_sums_.assign(counts_.size(), glm::dvec3(0.0));
+  direction_sums_.assign(sender_count(scene), glm::dvec3(0.0));
   emitter_moments_.assign(emitter_sums_.size(), glm::dvec3(0.0));
   area_moments_ = emitter_moments_;
 }
@@ -79,33 +87,59 @@ TracedRow RowTracer::trace(const Receiver& receiver, const SobolPoints& points, 
 RowTracer::Totals RowTracer::trace_hemisphere(const Receiver& receiver, const SobolPoints& points,
                                               const PointRange& range, std::uint64_t key) {
   Totals totals;
+  open_.clear();
+  if (scene_.memory != nullptr && !scene_.directional) {
+    count_known(receiver, points, range, key, totals);
+  } else {
+    for (std::uint32_t p = range.first; p < std::min(range.first + range.count, points.count()); ++p)
+      open_.push_back(p);
+  }
   HemispherePacket packet;
   PacketSight seen;
-  const bool remembers = scene_.memory != nullptr && !scene_.directional;
-  if (remembers) sight_.know(points.numbers(range.first, range.count), known_);
-  for (std::uint32_t first = 0; first < range.count; first += kPacketSize) {
-    const std::uint32_t open = remembers ? count_known(first, totals) : kAllLanes;
-    if (open == 0) continue;
-    make_packet(scene_.geometry, receiver, points, key, range.first + first, packet);
-    sight_.see(points.numbers(range.first + first), packet.used_lanes() & open, packet.rays, seen,
+  for_each_packet(open_, [&](std::span<const std::uint32_t> some) {
+    make_packet(scene_.geometry, receiver, points, key, some, packet);
+    sight_.see(packet.numbers, packet.used_lanes(), packet.rays, seen,
                [&](std::uint32_t lanes) { return owned_lanes(scene_, receiver, packet.origins, lanes); });
     for (int lane = 0; lane < kPacketSize; ++lane)
       count_hit(receiver, packet, seen, lane, range.count, totals);
-  }
+  });
   return totals;
 }
 
-std::uint32_t RowTracer::count_known(std::uint32_t first, Totals& totals) {
-  std::uint32_t open = 0;
-  for (std::uint32_t lane = 0; lane < kLanes && first + lane < known_.place.size(); ++lane) {
-    const std::uint32_t place = known_.place[first + lane];
-    if (place == kNotKnown) {
-      open |= 1u << lane;
-    } else {
-      count_place(place, known_.sender[first + lane], totals);
-    }
+void RowTracer::count_known(const Receiver& receiver, const SobolPoints& points, const PointRange& range,
+                            std::uint64_t key, Totals& totals) {
+  const auto senders = std::uint32_t(sender_count(scene_));
+  if (sight_.know(points.numbers(range.first, range.count), seen_))
+    settle_doubts(receiver, points, range.first, key);
+  for (const std::uint32_t seen : seen_) {
+    ++counts_[seen];
+    touched_.insert(seen);
   }
-  return open;
+  const auto take = [&](SeenBeyond beyond) { return std::exchange(counts_[senders + beyond], 0u); };
+  const std::uint32_t open = take(kIsOpen);
+  totals.traced = std::uint32_t(seen_.size()) - open - take(kIsNoRay);
+  totals.back_faces = take(kSeesBack);
+  totals.arrived = totals.traced - totals.back_faces - take(kSeesNothing);
+  for (std::uint32_t i = 0; i < seen_.size() && open_.size() < open; ++i) {
+    if (seen_[i] == senders + kIsOpen) open_.push_back(range.first + i);
+  }
+}
+
+void RowTracer::settle_doubts(const Receiver& receiver, const SobolPoints& points, std::uint32_t first,
+                              std::uint64_t key) {
+  doubtful_.clear();
+  for (std::uint32_t i = 0; i < seen_.size(); ++i) {
+    if ((seen_[i] & kDoubtful) != 0) doubtful_.push_back(first + i);
+  }
+  HemispherePacket packet;
+  for_each_packet(doubtful_, [&](std::span<const std::uint32_t> some) {
+    make_packet(scene_.geometry, receiver, points, key, some, packet);
+    const std::uint32_t certain = sight_.confirm(packet.numbers, packet.used_lanes(), packet.rays);
+    for (std::size_t lane = 0; lane < some.size(); ++lane) {
+      std::uint32_t& seen = seen_[some[lane] - first];
+      seen = (certain >> lane & 1u) != 0 ? seen & ~kDoubtful : std::uint32_t(sender_count(scene_)) + kIsOpen;
+    }
+  });
 }
 
 /// The sender that is seen, whose ray is counted; kNone where none is.
@@ -213,6 +247,7 @@ FormFactorRow RowTracer::finish_row(const Totals& totals) {
   row.senders.reserve(touched_.size());
   row.values.reserve(touched_.size());
   touched_.drain([&](std::uint32_t sender) {
+    if (sender >= sender_count(scene_)) return;
     double value = counts_[sender] * scales.counted / std::max(1u, totals.traced);
     const std::uint32_t emitter = sender < scene_.cluster_count ? scene_.emitters.of(sender) : kNone;
     if (emitter != kNone) value += emitter_sums_[emitter] * scales.emitted;

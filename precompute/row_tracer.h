@@ -82,8 +82,12 @@ class RowTracer {
   };
   Totals trace_hemisphere(const Receiver& receiver, const SobolPoints& points, const PointRange& range,
                           std::uint64_t key);
-  /// Counts the rays [first, first + kPacketSize) of those of known_; lanes that it does not know, as bits.
-  std::uint32_t count_known(std::uint32_t first, Totals& totals);
+  /// Counts what is known; the points that are not go to open_.
+  void count_known(const Receiver& receiver, const SobolPoints& points, const PointRange& range,
+                   std::uint64_t key, Totals& totals);
+  /// Of seen_: doubtful ones become certain, or open.
+  void settle_doubts(const Receiver& receiver, const SobolPoints& points, std::uint32_t first,
+                     std::uint64_t key);
   std::uint32_t count_arrival(std::uint32_t place, std::uint32_t sender, Totals& totals);
   std::uint32_t count_place(std::uint32_t place, std::uint32_t sender, Totals& totals);
   /// Of the packet, directions and origins of lanes that see a possible emitter, or of all in a directional
@@ -104,11 +108,13 @@ class RowTracer {
 
   const RowScene& scene_;
   RaySight sight_;
-  KnownSights known_;  ///< of the row that is being traced
+  std::vector<std::uint32_t> seen_;             ///< per point, as numbers to count by
+  std::vector<std::uint32_t> open_, doubtful_;  ///< points that are to be traced, and to be confirmed
   SobolPoints emitter_points_;
-  std::vector<std::uint32_t>
-      counts_;                      ///< per sender: rays that arrived, except those counted in emitter_sums_
-  SenderSet touched_;               ///< senders with a count
+  /// Per sender: rays that arrived, except those counted in emitter_sums_. The others that are numbers to
+  /// count by follow.
+  std::vector<std::uint32_t> counts_;
+  SenderSet touched_;               ///< with a count
   std::uint32_t area_samples_ = 0;  ///< of all emitters together
   EmitterChoice choice_;
   std::vector<double> emitter_sums_;  ///< per emitter: form factor

@@ -105,14 +105,6 @@ bool sound_receivers(const RowsFile& rows) {
          samples == rows.samples.size() && hits == rows.emitter_hits.size();
 }
 
-/// About what everything but rays takes.
-std::size_t scene_bytes(const RowsFile& rows) {
-  constexpr std::size_t kSlack = 1u << 16, kPerNode = 64;
-  return kSlack + kPerNode * rows.nodes.size() + 12 * rows.positions.size() + 25 * rows.triangles.size() +
-         9 * rows.element_keys.size() + 8 * rows.views.size() +
-         sizeof(ReceiverRecord) * rows.receivers.size();
-}
-
 Result<void> read_settings(const Reader& reader, RowsFile& rows) {
   const auto settings = reader.bytes("RINF");
   if (settings.size() < sizeof rows.settings.version)
@@ -156,34 +148,33 @@ Result<void> read_all(const Reader& reader, RowsFile& rows) {
 
 std::vector<std::byte> encode_rows(const RowsFile& rows) {
   const std::span<const std::byte> codes = rows.codes.first(rows.codes.size() - kCodePadding);
-  return encode_rows(rows, std::span(&codes, 1));
+  return encode_rows(rows, std::span(&codes, 1)).joined();
 }
 
-std::vector<std::byte> encode_rows(const RowsFile& rows, std::span<const std::span<const std::byte>> codes) {
-  constexpr std::array<std::byte, kCodePadding> kPadding{};
+FileParts encode_rows(const RowsFile& rows, std::span<const std::span<const std::byte>> codes) {
+  static constexpr std::array<std::byte, kCodePadding> kPadding{};
   std::vector<std::span<const std::byte>> parts(codes.begin(), codes.end());
   parts.emplace_back(kPadding);
-  std::size_t bytes = rows.samples.size() + rows.emitter_hits.size_bytes() + scene_bytes(rows);
-  for (const auto part : parts) bytes += part.size();
-  const auto any = [](const auto& values) { return values.empty() ? 0u : 1u; };
   SectionWriter writer;
-  writer.reserve(bytes, 11 + any(rows.views) + any(rows.ties) + any(rows.samples) + any(rows.emitter_hits));
-  writer.add("RINF", kWhole, std::as_bytes(std::span(&rows.settings, 1)));
-  writer.add("RNAM", kWhole, texts({rows.scene_file, rows.ray_tracer}));
-  writer.add("RNOD", kWhole, texts(rows.nodes));
-  writer.add_array("RPOS", kWhole, rows.positions);
-  writer.add_array("RTRI", kWhole, rows.triangles);
-  writer.add_array("RTKY", kWhole, rows.triangle_keys);
-  writer.add_array("RTND", kWhole, rows.triangle_nodes);
-  writer.add_array("RTIE", kWhole, rows.ties);
-  writer.add_array("RELM", kWhole, rows.element_keys);
-  writer.add_array("RWHL", kWhole, rows.whole_elements);
-  writer.add("RVWS", kWhole, std::as_bytes(std::span(rows.views)), kSectionOptional);
-  writer.add_array("RRCV", kWhole, rows.receivers);
-  writer.add_parts("RCOD", kWhole, parts);
-  writer.add("RSMP", kWhole, rows.samples);
-  writer.add("REMH", kWhole, std::as_bytes(rows.emitter_hits));
-  return std::move(writer).finish();
+  const auto add = [&](std::string_view id, const auto& values, std::uint32_t flags = 0) {
+    writer.add(id, kWhole, std::as_bytes(std::span(values)), flags);
+  };
+  add("RINF", std::span(&rows.settings, 1));
+  add("RNAM", texts({rows.scene_file, rows.ray_tracer}));
+  add("RNOD", texts(rows.nodes));
+  add("RPOS", rows.positions);
+  add("RTRI", rows.triangles);
+  add("RTKY", rows.triangle_keys);
+  add("RTND", rows.triangle_nodes);
+  add("RTIE", rows.ties);
+  add("RELM", rows.element_keys);
+  add("RWHL", rows.whole_elements);
+  add("RVWS", rows.views, kSectionOptional);
+  add("RRCV", rows.receivers);
+  writer.borrow("RCOD", kWhole, parts);
+  add("RSMP", rows.samples);
+  add("REMH", rows.emitter_hits);
+  return std::move(writer).finish_parts();
 }
 
 Result<RowsFile> decode_rows(std::vector<std::byte> bytes, const std::string& name) {

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "core/file_parts.h"
 #include "core/result.h"
 #include "precompute/ray_codes.h"
 
@@ -80,8 +81,9 @@ struct RowsFile {
 /// The bytes of a .rows file.
 std::vector<std::byte> encode_rows(const RowsFile& rows);
 
-/// The same with codes that lie elsewhere, in parts that follow each other; without the padding.
-std::vector<std::byte> encode_rows(const RowsFile& rows, std::span<const std::span<const std::byte>> codes);
+/// The same with codes that lie elsewhere, in parts that follow each other, without the padding; they are
+/// borrowed, and nothing else.
+FileParts encode_rows(const RowsFile& rows, std::span<const std::span<const std::byte>> codes);
 
 /// Verifies structure, checksums, sizes and order. `name` is used in messages.
 Result<RowsFile> decode_rows(std::vector<std::byte> bytes, const std::string& name);

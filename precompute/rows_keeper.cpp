@@ -69,11 +69,10 @@ void RowsKeeper::keep_whole(const std::vector<std::vector<std::uint32_t>>& order
 }
 
 std::uint64_t RowsKeeper::memory_of(std::uint64_t rays) const {
-  // As they are, and once more in the file's bytes; those of the old file are there already.
-  return memory_.record ? 2 * rays * memory_.codes.width() : 0;
+  return memory_.record ? rays * memory_.codes.width() : 0;
 }
 
-std::vector<std::byte> RowsKeeper::finish(const PrecomputeReport& report) {
+FileParts RowsKeeper::finish(const PrecomputeReport& report) {
   const Geometry& geometry = surfaces_->geometry;
   RowsFile file;
   file.settings.offset = geometry.offset;

@@ -36,10 +36,10 @@ class RowsKeeper {
   /// Of the others, `views` are the answers about their patches.
   void keep_whole(const std::vector<std::vector<std::uint32_t>>& orders, const WholeElements& whole,
                   std::vector<std::uint64_t> views);
-  /// Bytes that so many rays take at most, until their file is written.
+  /// Bytes that so many rays take, until their file is written.
   std::uint64_t memory_of(std::uint64_t rays) const;
   /// The bytes of a .rows file, where options ask to keep rows. Forgets the rays.
-  std::vector<std::byte> finish(const PrecomputeReport& report);
+  FileParts finish(const PrecomputeReport& report);
 
  private:
   RowsKeeper(const Scene& scene, const PrecomputeOptions& options, const Geometry& geometry,

@@ -67,6 +67,7 @@ class SobolPoints {
   std::span<const std::uint32_t> numbers(std::uint32_t first, std::uint32_t count) const {
     return std::span(numbers_).first(count_).subspan(first, std::min(count, count_ - first));
   }
+  std::uint32_t number(std::uint32_t point) const { return numbers_[point]; }
   /// Point `index` < count() of the sequence that belongs to `seed`.
   SamplePoint scrambled(std::uint32_t index, std::uint64_t seed) const;
   /// Points first, first + 1 ... of the same sequence; `first` < count() is a multiple of kLanes. What lies
@@ -77,6 +78,16 @@ class SobolPoints {
       const std::uint32_t* reversed = &reversed_[d][first];
       for (std::size_t lane = 0; lane < kLanes; ++lane)
         lanes.coordinate[d][lane] = to_unit(reverse_bits(laine_karras(reversed[lane], key)));
+    }
+  }
+  /// The same of any points.
+  void scrambled(const std::array<std::uint32_t, kLanes>& points, std::uint64_t seed,
+                 SampleLanes& lanes) const {
+    for (std::size_t d = 0; d < 4; ++d) {
+      const std::uint32_t key = scramble_key(d, seed);
+      const std::uint32_t* reversed = reversed_[d].data();
+      for (std::size_t lane = 0; lane < kLanes; ++lane)
+        lanes.coordinate[d][lane] = to_unit(reverse_bits(laine_karras(reversed[points[lane]], key)));
     }
   }
 

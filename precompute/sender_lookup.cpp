@@ -119,7 +119,6 @@ void SenderLookup::map_chart(const Chart& chart, const glm::uvec2& position, std
 }
 
 void SenderLookup::follow_clusters() {
-  ++numbering_;
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     for (std::uint32_t e = 0; e < surfaces_[s].cluster.size(); ++e)
       owners_[first_elements_[s] + e] = {surfaces_[s].sender_of(e), !simple(s, e)};

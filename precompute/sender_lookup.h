@@ -63,8 +63,6 @@ class SenderLookup {
 
   /// The surfaces have new clusters, or these new numbers.
   void follow_clusters();
-  /// Another one after each follow_clusters().
-  std::uint32_t numbering() const { return numbering_; }
 
   ElementOwner owner_of(std::uint32_t element) const { return owners_[element]; }
   /// The sender that an element belongs to.
@@ -155,8 +153,7 @@ class SenderLookup {
   std::vector<Face> front_, back_;
   std::vector<Grid> grids_;
   std::vector<std::uint32_t> first_elements_;  ///< per system
-  std::uint32_t numbering_ = 0;
-  std::vector<ElementOwner> owners_;  ///< per element of all systems
+  std::vector<ElementOwner> owners_;           ///< per element of all systems
 };
 
 }  // namespace relume

@@ -48,8 +48,9 @@ Result<Survey> survey(RowScene& scene, const std::vector<Chart>& charts,
   }
   renumber(numbers, emitters);
   lookup.follow_clusters();
-  if (scene.memory != nullptr) follow_senders(lookup, emitters, *scene.memory);
   for (std::uint32_t& sender : scene.sky_senders) sender = numbers[sender];
+  if (scene.memory != nullptr)
+    follow_senders(lookup, emitters, scene.sky_senders, std::uint32_t(sender_count(scene)), *scene.memory);
   const ProbedScene probed{scene.geometry, scene.caster, surfaces, emitters, result.senders, scene.seed};
   result.probing = probe(probed, *halves, reordered(std::move(rooms), numbers));
   return result;

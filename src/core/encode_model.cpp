@@ -95,30 +95,29 @@ void add_probe_volume(const ProbeVolume& volume, SectionWriter& file) {
   head.put(volume.edge);
   head.put(volume.counts);
   file.add(kProbeVolume, kNone, head.bytes(), kSectionOptional);
-  file.add(kProbeVolumeNodes, kNone, std::as_bytes(std::span(volume.nodes)), kSectionOptional);
-  file.add(kProbeVolumeCells, kNone, std::as_bytes(std::span(volume.cells)), kSectionOptional);
-  file.add(kProbeVolumePlanes, kNone, std::as_bytes(std::span(volume.planes)), kSectionOptional);
+  file.borrow_array(kProbeVolumeNodes, kNone, volume.nodes, kSectionOptional);
+  file.borrow_array(kProbeVolumeCells, kNone, volume.cells, kSectionOptional);
+  file.borrow_array(kProbeVolumePlanes, kNone, volume.planes, kSectionOptional);
 }
 
 void add_occluders(const Occluders& occluders, SectionWriter& file) {
-  file.add_array(kOccluderPositions, kNone, occluders.positions);
-  file.add_array(kOccluderTriangles, kNone, occluders.triangles);
-  file.add_array(kOccluderMaterials, kNone, occluders.material);
-  file.add_array(kOccluderNodes, kNone, occluders.node);
-  file.add_array(kOccluderSystems, kNone, occluders.system);
-  file.add_array(kOccluderFrontUv, kNone, occluders.front_uv);
-  file.add_array(kOccluderBackUv, kNone, occluders.back_uv);
-  file.add_array(kOpacityMaps, kNone, occluders.opacity.maps);
-  file.add_array(kOpacityTexels, kNone, occluders.opacity.texels);
-  file.add_array(kOpacityTriangles, kNone, occluders.opacity.triangles);
-  file.add(kTextureTriangles, kNone, std::as_bytes(std::span(occluders.texture)), kSectionOptional);
-  file.add_array(kBvhNodes, kNone, occluders.bvh.nodes);
-  file.add_array(kBvhTriangles, kNone, occluders.bvh.triangles);
+  file.borrow_array(kOccluderPositions, kNone, occluders.positions);
+  file.borrow_array(kOccluderTriangles, kNone, occluders.triangles);
+  file.borrow_array(kOccluderMaterials, kNone, occluders.material);
+  file.borrow_array(kOccluderNodes, kNone, occluders.node);
+  file.borrow_array(kOccluderSystems, kNone, occluders.system);
+  file.borrow_array(kOccluderFrontUv, kNone, occluders.front_uv);
+  file.borrow_array(kOccluderBackUv, kNone, occluders.back_uv);
+  file.borrow_array(kOpacityMaps, kNone, occluders.opacity.maps);
+  file.borrow_array(kOpacityTexels, kNone, occluders.opacity.texels);
+  file.borrow_array(kOpacityTriangles, kNone, occluders.opacity.triangles);
+  file.borrow_array(kTextureTriangles, kNone, occluders.texture, kSectionOptional);
+  file.borrow_array(kBvhNodes, kNone, occluders.bvh.nodes);
+  file.borrow_array(kBvhTriangles, kNone, occluders.bvh.triangles);
 }
 
-/// Without a copy in between: matrices are most of the file.
 void add_matrix(const BlockMatrix& matrix, std::string_view id, std::uint32_t owner, SectionWriter& file) {
-  constexpr std::array<std::byte, 4> kZeros{};
+  static constexpr std::array<std::byte, 4> kZeros{};
   for (const MatrixBlock& block : matrix.blocks) {
     const BlockHeader header{block.first_row,
                              block.row_count,
@@ -126,7 +125,9 @@ void add_matrix(const BlockMatrix& matrix, std::string_view id, std::uint32_t ow
                              static_cast<std::uint32_t>(block.codec),
                              static_cast<std::uint32_t>(block.tile_offsets.size()),
                              static_cast<std::uint32_t>(block.columns.size())};
-    std::vector<std::span<const std::byte>> parts{std::as_bytes(std::span(&header, 1))};
+    const auto head = std::as_bytes(std::span(&header, 1));
+    std::vector<std::byte> own(head.begin(), head.end());
+    std::vector<std::span<const std::byte>> parts{own};
     const auto add_padded = [&](std::span<const std::byte> bytes) {
       parts.push_back(bytes);
       parts.push_back(std::span(kZeros).first((4 - bytes.size() % 4) % 4));
@@ -135,7 +136,8 @@ void add_matrix(const BlockMatrix& matrix, std::string_view id, std::uint32_t ow
     add_padded(std::as_bytes(std::span(block.columns)));
     add_padded(std::as_bytes(std::span(block.values)));
     add_padded(std::as_bytes(std::span(block.row_scales)));
-    file.add_parts(id, owner, parts);
+    file.borrow(id, owner, parts);
+    file.keep(std::move(own));
   }
 }
 
@@ -145,65 +147,37 @@ void add_system(const System& system, std::uint32_t index, SectionWriter& file) 
   head.put(system.lightmap_height);
   head.put(system.name);
   file.add(kSystem, index, head.bytes());
-  file.add_array(kClusters, index, system.clusters);
-  file.add_array(kElements, index, system.elements);
-  file.add_array(kPieces, index, system.pieces);
-  file.add_array(kOwnPatches, index, system.own_patches);
-  file.add_array(kLumels, index, system.lumels);
-  file.add_array(kSensors, index, system.sensors);
-  file.add_array(kLiftedSensors, index, system.lifted_sensors);
-  file.add(kProbes, index, std::as_bytes(std::span(system.probes)), kSectionOptional);
-  file.add(kProbeSenders, index, std::as_bytes(std::span(system.probe_senders)), kSectionOptional);
-  file.add_array(kCharts, index, system.charts);
-  file.add_array(kTree, index, system.tree.nodes);
-  file.add_array(kTreeShares, index, system.tree.shares);
-  file.add_array(kImports, index, system.imports);
-  file.add(kClusterRays, index, std::as_bytes(std::span(system.rays)), kSectionOptional);
-  file.add(kCutErrors, index, std::as_bytes(std::span(system.cut_errors)), kSectionOptional);
+  file.borrow_array(kClusters, index, system.clusters);
+  file.borrow_array(kElements, index, system.elements);
+  file.borrow_array(kPieces, index, system.pieces);
+  file.borrow_array(kOwnPatches, index, system.own_patches);
+  file.borrow_array(kLumels, index, system.lumels);
+  file.borrow_array(kSensors, index, system.sensors);
+  file.borrow_array(kLiftedSensors, index, system.lifted_sensors);
+  file.borrow_array(kProbes, index, system.probes, kSectionOptional);
+  file.borrow_array(kProbeSenders, index, system.probe_senders, kSectionOptional);
+  file.borrow_array(kCharts, index, system.charts);
+  file.borrow_array(kTree, index, system.tree.nodes);
+  file.borrow_array(kTreeShares, index, system.tree.shares);
+  file.borrow_array(kImports, index, system.imports);
+  file.borrow_array(kClusterRays, index, system.rays, kSectionOptional);
+  file.borrow_array(kCutErrors, index, system.cut_errors, kSectionOptional);
   add_matrix(system.bounce, kBounceBlock, index, file);
   add_matrix(system.gather, kGatherBlock, index, file);
   for (const MatrixBlock& block : system.gather.blocks)
-    file.add(kGatherDirections, index, std::as_bytes(std::span(block.directions)), kSectionOptional);
-}
-
-/// Of a model, and of each of its systems, beside their blocks; about.
-constexpr std::size_t kModelSections = 24, kSystemSections = 16;
-
-std::size_t likely_sections(const Model& model) {
-  std::size_t sections = kModelSections;
-  for (const System& system : model.systems)
-    sections += kSystemSections + system.bounce.blocks.size() + system.gather.blocks.size();
-  return sections;
-}
-
-/// About what a model's file takes: matrices, and the most of the rest.
-std::size_t likely_bytes(const Model& model) {
-  constexpr std::size_t kSlack = 1u << 16, kPerTriangle = 128, kPerPosition = 12;
-  std::size_t bytes = kSlack + kPerTriangle * model.occluders.triangles.size() +
-                      kPerPosition * model.occluders.positions.size();
-  for (const System& system : model.systems) {
-    bytes += system.elements.size() * sizeof(SurfaceElement) + system.pieces.size() * sizeof(SurfacePiece) +
-             system.lumels.size() * sizeof(Lumel) + system.clusters.size() * sizeof(Cluster) +
-             system.probes.size() * sizeof(Probe) + system.probe_senders.size() * sizeof(ProbeSender) +
-             kSlack;
-    for (const BlockMatrix* matrix : {&system.bounce, &system.gather}) {
-      for (const MatrixBlock& block : matrix->blocks) bytes += block_bytes(block) + kSlack / 64;
-    }
-  }
-  return bytes;
+    file.borrow_array(kGatherDirections, index, block.directions, kSectionOptional);
 }
 
 }  // namespace
 
-std::vector<std::byte> encode_model(const Model& model) {
+FileParts encode_model_parts(const Model& model) {
   SectionWriter file;
-  file.reserve(likely_bytes(model), likely_sections(model));
   add_info(model, file);
-  file.add_array(kSkyCells, kNone, model.sky_cells);
-  file.add_array(kSkyTree, kNone, model.sky_tree.nodes);
-  file.add_array(kSkyTreeShares, kNone, model.sky_tree.shares);
-  file.add_array(kTopTree, kNone, model.top_tree);
-  file.add_array(kTopParts, kNone, model.top_parts);
+  file.borrow_array(kSkyCells, kNone, model.sky_cells);
+  file.borrow_array(kSkyTree, kNone, model.sky_tree.nodes);
+  file.borrow_array(kSkyTreeShares, kNone, model.sky_tree.shares);
+  file.borrow_array(kTopTree, kNone, model.top_tree);
+  file.borrow_array(kTopParts, kNone, model.top_parts);
   add_named_records(model, file);
   add_probe_volume(model.probe_volume, file);
   add_lights(model.lights, file);
@@ -211,7 +185,11 @@ std::vector<std::byte> encode_model(const Model& model) {
   for (std::size_t index = 0; index < model.systems.size(); ++index) {
     add_system(model.systems[index], static_cast<std::uint32_t>(index), file);
   }
-  return std::move(file).finish();
+  return std::move(file).finish_parts();
+}
+
+std::vector<std::byte> encode_model(const Model& model) {
+  return encode_model_parts(model).joined();
 }
 
 }  // namespace relume

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/file_parts.h"
 #include "core/model.h"
 #include "core/result.h"
 
@@ -16,6 +17,9 @@ namespace relume {
 
 /// The bytes of a file that holds `model`. The same model gives the same bytes.
 std::vector<std::byte> encode_model(const Model& model);
+
+/// The same bytes, for the most part borrowed from the model.
+FileParts encode_model_parts(const Model& model);
 
 /// Verifies structure, sizes (before anything is allocated), every checksum, then check_model. `name` is used
 /// in messages.
@@ -40,5 +44,7 @@ Result<std::vector<std::byte>> read_file(const std::filesystem::path& file);
 
 /// The same crash-safe write for any bytes; every file that Relume writes goes through it.
 Result<void> write_file(const std::filesystem::path& file, std::span<const std::byte> bytes);
+Result<void> write_parts(const std::filesystem::path& file,
+                         std::span<const std::span<const std::byte>> parts);
 
 }  // namespace relume

@@ -24,6 +24,14 @@ std::uint64_t checksum_of(std::span<const std::byte> bytes) {
   return XXH3_64bits(bytes.data(), bytes.size());
 }
 
+std::uint64_t checksum_of(std::span<const std::span<const std::byte>> parts) {
+  if (parts.size() == 1) return checksum_of(parts[0]);
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  for (const auto part : parts) XXH3_64bits_update(&state, part.data(), part.size());
+  return XXH3_64bits_digest(&state);
+}
+
 /// Checksum of header (its checksum field zero) and table.
 std::uint64_t table_checksum(FileHeader header, std::span<const SectionRecord> records) {
   header.checksum = 0;
@@ -115,58 +123,46 @@ std::string describe(const SectionRecord& record) {
   return fmt::format("'{}' {} at byte {}", id, owner, record.offset);
 }
 
-void SectionWriter::reserve(std::size_t bytes, std::size_t sections) {
-  head_ = align_up(sizeof(FileHeader) + sections * sizeof(SectionRecord));
-  file_.reserve(head_ + bytes);
-  file_.resize(head_);
-}
-
 void SectionWriter::add(std::string_view id, std::uint32_t owner, std::span<const std::byte> bytes,
                         std::uint32_t flags) {
+  add(id, owner, std::vector(bytes.begin(), bytes.end()), flags);
+}
+
+void SectionWriter::add(std::string_view id, std::uint32_t owner, std::vector<std::byte> bytes,
+                        std::uint32_t flags) {
+  borrow(id, owner, std::vector<std::span<const std::byte>>{bytes}, flags);
+  keep(std::move(bytes));
+}
+
+void SectionWriter::borrow(std::string_view id, std::uint32_t owner,
+                           std::span<const std::span<const std::byte>> parts, std::uint32_t flags) {
+  static constexpr std::array<std::byte, kSectionAlignment> kPadding{};
   SectionRecord record;
   assert(id.size() == record.id.size());
   std::copy(id.begin(), id.end(), record.id.begin());
-  record.owner = owner;
-  record.flags = flags;
-  record.checksum = checksum_of(bytes);
-  append(record, std::span(&bytes, 1));
-}
-
-void SectionWriter::add_parts(std::string_view id, std::uint32_t owner,
-                              std::span<const std::span<const std::byte>> parts) {
-  SectionRecord record;
-  assert(id.size() == record.id.size());
-  std::copy(id.begin(), id.end(), record.id.begin());
-  record.owner = owner;
-  XXH3_state_t state;
-  XXH3_64bits_reset(&state);
-  for (const auto part : parts) XXH3_64bits_update(&state, part.data(), part.size());
-  record.checksum = XXH3_64bits_digest(&state);
-  append(record, parts);
-}
-
-void SectionWriter::append(SectionRecord record, std::span<const std::span<const std::byte>> parts) {
+  record.owner = owner, record.flags = flags;
   for (const auto part : parts) record.length += part.size();
   if (record.length == 0) return;
-  record.offset = align_up(file_.size() - head_);
-  file_.resize(head_ + record.offset);
-  for (const auto part : parts) file_.insert(file_.end(), part.begin(), part.end());
+  record.checksum = checksum_of(parts);
+  record.offset = align_up(end_);
+  if (record.offset > end_) file_.parts.push_back(std::span(kPadding).first(record.offset - end_));
+  file_.parts.insert(file_.parts.end(), parts.begin(), parts.end());
+  end_ = record.offset + record.length;
   records_.push_back(record);
 }
 
-std::vector<std::byte> SectionWriter::finish() && {
+FileParts SectionWriter::finish_parts() && {
   FileHeader header;
   header.section_count = static_cast<std::uint32_t>(records_.size());
-  const std::uint64_t table_end = sizeof header + records_.size() * sizeof(SectionRecord);
-  const std::uint64_t body_begin = align_up(table_end);
-  if (body_begin > head_) file_.insert(file_.begin(), body_begin - head_, std::byte{0});
-  if (body_begin < head_) file_.erase(file_.begin(), file_.begin() + std::ptrdiff_t(head_ - body_begin));
+  const std::uint64_t table_end = table_bytes(header), body_begin = align_up(table_end);
   for (SectionRecord& record : records_) record.offset += body_begin;
-  header.file_bytes = file_.size();
+  header.file_bytes = body_begin + end_;
   header.checksum = table_checksum(header, records_);
-  std::memcpy(file_.data(), &header, sizeof header);
-  if (!records_.empty())
-    std::memcpy(file_.data() + sizeof header, records_.data(), table_end - sizeof header);
+  std::vector<std::byte> head(body_begin);
+  std::memcpy(head.data(), &header, sizeof header);
+  if (!records_.empty()) std::memcpy(head.data() + sizeof header, records_.data(), table_end - sizeof header);
+  file_.parts.insert(file_.parts.begin(), head);
+  file_.owned.push_back(std::move(head));
   return std::move(file_);
 }
 

@@ -14,6 +14,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/file_parts.h"
 #include "core/result.h"
 
 namespace relume {
@@ -57,31 +58,33 @@ std::string describe(const SectionRecord& record);
 /// Collects sections and lays out the file. Empty sections are left out.
 class SectionWriter {
  public:
-  /// Before anything is added: room for about so many bytes in so many sections, so that they need not be
-  /// moved while they grow.
-  void reserve(std::size_t bytes, std::size_t sections);
-
+  /// A copy of the bytes.
   void add(std::string_view id, std::uint32_t owner, std::span<const std::byte> bytes,
            std::uint32_t flags = 0);
+  void add(std::string_view id, std::uint32_t owner, std::vector<std::byte> bytes, std::uint32_t flags = 0);
 
-  /// One section of parts that follow each other.
-  void add_parts(std::string_view id, std::uint32_t owner, std::span<const std::span<const std::byte>> parts);
+  /// One section of parts that follow each other. They are borrowed until the file is written.
+  void borrow(std::string_view id, std::uint32_t owner, std::span<const std::span<const std::byte>> parts,
+              std::uint32_t flags = 0);
 
   template <class T>
-  void add_array(std::string_view id, std::uint32_t owner, const std::vector<T>& values) {
+  void borrow_array(std::string_view id, std::uint32_t owner, const std::vector<T>& values,
+                    std::uint32_t flags = 0) {
     static_assert(std::is_trivially_copyable_v<T>);
-    add(id, owner, std::as_bytes(std::span(values)));
+    const std::span<const std::byte> bytes = std::as_bytes(std::span(values));
+    borrow(id, owner, std::span(&bytes, 1), flags);
   }
+  /// What is borrowed may belong to the file.
+  void keep(std::vector<std::byte> bytes) { file_.owned.push_back(std::move(bytes)); }
 
   /// The bytes of the file.
-  std::vector<std::byte> finish() &&;
+  FileParts finish_parts() &&;
+  std::vector<std::byte> finish() && { return std::move(*this).finish_parts().joined(); }
 
  private:
-  void append(SectionRecord record, std::span<const std::span<const std::byte>> parts);
-
   std::vector<SectionRecord> records_;  ///< offsets from the end of the head
-  std::vector<std::byte> file_;
-  std::size_t head_ = 0;  ///< bytes left free for header and table
+  FileParts file_;                      ///< without the head
+  std::uint64_t end_ = 0;               ///< bytes in file_
 };
 
 /// Bytes of header and table of a file that begins with `header`.

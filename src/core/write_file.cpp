@@ -2,12 +2,15 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <new>
 #include <system_error>
+#include <vector>
 
 #include "core/model_file.h"
 
@@ -61,18 +64,39 @@ tl::unexpected<Error> cannot(const char* verb, const fs::path& file, int error) 
               fmt::format("{}: cannot {}: {}", file.string(), verb, std::generic_category().message(error)));
 }
 
-Result<void> write_all(int fd, std::span<const std::byte> bytes, const fs::path& file) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return cannot("write", file, errno);
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
+using Parts = std::span<const std::span<const std::byte>>;
+
+/// So many parts are written at once, at most (IOV_MAX of Linux).
+constexpr std::size_t kPartsAtOnce = 1024;
+
+/// Of `parts`, what follows the first `done` bytes.
+std::vector<iovec> rest_of(Parts parts, std::size_t done) {
+  std::vector<iovec> rest;
+  for (const auto part : parts) {
+    const std::size_t skipped = std::min(done, part.size());
+    done -= skipped;
+    if (skipped == part.size()) continue;
+    rest.push_back({const_cast<std::byte*>(part.data() + skipped), part.size() - skipped});
+  }
+  return rest;
+}
+
+Result<void> write_all(int fd, Parts parts, const fs::path& file) {
+  for (; !parts.empty(); parts = parts.subspan(std::min(kPartsAtOnce, parts.size()))) {
+    const Parts some = parts.first(std::min(kPartsAtOnce, parts.size()));
+    std::size_t done = 0;
+    for (auto rest = rest_of(some, done); !rest.empty(); rest = rest_of(some, done)) {
+      const ssize_t written = ::writev(fd, rest.data(), int(rest.size()));
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) return cannot("write", file, errno);
+      done += std::size_t(written);
+    }
   }
   return {};
 }
 
 /// Devices and pipes cannot be replaced; they are written into.
-Result<void> write_into(const fs::path& file, std::span<const std::byte> bytes) {
+Result<void> write_into(const fs::path& file, Parts bytes) {
   const Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CLOEXEC));
   if (!descriptor.open()) return cannot("open", file, errno);
   return write_all(descriptor.get(), bytes, file);
@@ -100,7 +124,7 @@ Result<void> sync_folder(const fs::path& file) {
   return {};
 }
 
-Result<void> replace(const fs::path& file, std::span<const std::byte> bytes) {
+Result<void> replace(const fs::path& file, Parts bytes) {
   fs::path path;
   const int created = create_temporary(file, path);
   if (created < 0) return cannot("create", file, errno);
@@ -118,6 +142,10 @@ Result<void> replace(const fs::path& file, std::span<const std::byte> bytes) {
 }  // namespace
 
 Result<void> write_file(const fs::path& file, std::span<const std::byte> bytes) {
+  return write_parts(file, Parts(&bytes, 1));
+}
+
+Result<void> write_parts(const fs::path& file, Parts bytes) {
   std::error_code ignored;
   // A symbolic link stays; what it names is replaced.
   const fs::path target = fs::is_symlink(file, ignored) ? fs::weakly_canonical(file, ignored) : file;
@@ -137,7 +165,7 @@ Result<void> write_model(const Model& model, const fs::path& file) {
                                               file.string(), system.name));
   }
   try {
-    return write_file(file, encode_model(model));
+    return write_parts(file, encode_model_parts(model).parts);
   } catch (const std::bad_alloc&) {
     return fail(ErrorCode::out_of_memory, fmt::format("{}: not enough memory to write it", file.string()));
   }

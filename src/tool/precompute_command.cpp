@@ -229,7 +229,7 @@ Result<PrecomputedFile> precompute_to_file(const PrecomputeArguments& arguments,
   if (const Result<void> written = write_model(*model, arguments.output); !written)
     return tl::unexpected(written.error());
   if (input->options.keep_rows) {
-    if (const Result<void> written = write_file(rows_of(arguments.output), file.report.rows); !written)
+    if (const Result<void> written = write_parts(rows_of(arguments.output), file.report.rows.parts); !written)
       return tl::unexpected(written.error());
   }
   file.model = std::move(*model);

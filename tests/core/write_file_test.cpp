@@ -71,6 +71,20 @@ TEST_F(WriteFile, WritesAndReplaces) {
   EXPECT_EQ(files(), 1u) << "no temporary stays";
 }
 
+TEST_F(WriteFile, WritesPartsOneAfterTheOther) {
+  const fs::path file = folder_ / "a.bin";
+  std::vector<std::string> texts;  // more than go into one call; some are empty
+  for (std::size_t i = 0; i < 2500; ++i) texts.emplace_back(i % 7, char('a' + i % 26));
+  std::string all;
+  std::vector<std::span<const std::byte>> parts;
+  for (const std::string& text : texts) {
+    all += text;
+    parts.push_back(as_bytes(text));
+  }
+  ASSERT_TRUE(write_parts(file, parts));
+  EXPECT_EQ(content_of(file), all);
+}
+
 TEST_F(WriteFile, KeepsTheOldFileWhenSpaceRunsOut) {
   const fs::path file = folder_ / "a.bin";
   ASSERT_TRUE(write_file(file, as_bytes("precious")));

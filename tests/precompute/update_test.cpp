@@ -94,7 +94,7 @@ Built build(const Room& room, PrecomputeOptions options, std::uint32_t threads =
   EXPECT_TRUE(model) << model.error().message;
   if (!model) return built;
   built.model = encode_model(*model);
-  built.rows = std::move(built.report.rows);
+  built.rows = built.report.rows.joined();
   return built;
 }
 
