@@ -361,6 +361,23 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   return model;
 }
 
+/// What a precompute needs that ran out of memory, for a sentence: from a few rows, where memory is enough
+/// for these; no less than what it has had.
+std::string needed_memory(const Scene& scene, PrecomputeOptions options, const ProgressObserver& observer) {
+  constexpr double kMega = 1e-6;
+  const std::uint64_t had = peak_address_bytes();
+  options.max_memory = 0;
+  try {
+    PrecomputeEstimate estimate;
+    PrecomputeReport unused;
+    const bool estimated = build(scene, options, unused, observer, &estimate).has_value();
+    const std::uint64_t needed = estimated ? estimate.memory_bytes + reserved_bytes() : 0;
+    if (needed > had) return fmt::format("about {:.0f} MB", kMega * double(needed));
+  } catch (const std::bad_alloc&) {
+  }
+  return fmt::format("more than {:.0f} MB", kMega * double(had));
+}
+
 /// build() in an arena of as many threads as asked for.
 Result<Model> build_in_arena(const Scene& scene, const PrecomputeOptions& options, PrecomputeReport& report,
                              const ProgressObserver& observer, PrecomputeEstimate* estimate) {
@@ -369,9 +386,11 @@ Result<Model> build_in_arena(const Scene& scene, const PrecomputeOptions& option
   try {
     return arena.execute([&] { return build(scene, options, report, observer, estimate); });
   } catch (const std::bad_alloc&) {
+    const std::string needed = arena.execute([&] { return needed_memory(scene, options, observer); });
     return fail(ErrorCode::out_of_memory,
-                fmt::format("{}: out of memory during the precompute; choose a larger texel or cluster size",
-                            scene.file_name));
+                fmt::format("{}: memory ran out: expected {}, found less; a larger --cluster-size or "
+                            "--texel-size, or fewer rays (--quality), need less",
+                            scene.file_name, needed));
   }
 }
 

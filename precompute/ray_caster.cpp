@@ -327,7 +327,7 @@ Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
   if (auto enough = check_embree_memory(triangles.size()); !enough) return tl::unexpected(enough.error());
   auto scene = std::make_unique<Scene>();
   scene->device.reset(rtcNewDevice((std::string("isa=") + instruction_set()).c_str()));
-  if (!scene->device) return fail(ErrorCode::out_of_memory, "Embree could not create a device");
+  if (!scene->device) return tl::unexpected(no_embree_memory(triangles.size()));
   scene->scene.reset(rtcNewScene(scene->device.get()));
   rtcSetSceneFlags(scene->scene.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   // Spatial splits of the high-quality builder depend on timing between threads; binned SAH does not.
@@ -342,11 +342,8 @@ Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
       attach_triangles(scene->device.get(), scene->scene.get(), mesh, scene->opacity, false);
   }
   rtcCommitScene(scene->scene.get());
-  if (const RTCError error = rtcGetDeviceError(scene->device.get()); error != RTC_ERROR_NONE) {
-    return fail(ErrorCode::out_of_memory, "Embree could not build its tree over " +
-                                              std::to_string(triangles.size()) + " triangles (RTCError " +
-                                              std::to_string(int(error)) + ")");
-  }
+  if (rtcGetDeviceError(scene->device.get()) != RTC_ERROR_NONE)
+    return tl::unexpected(no_embree_memory(triangles.size()));
   scene->description = describe(scene->device.get());
   return RayCaster(std::move(scene));
 }

@@ -360,8 +360,10 @@ Result<Model> decode_model(std::span<const std::byte> bytes, const std::string& 
     if (!sections) return tl::unexpected(sections.error());
     return decode_sections(*sections, {}, name);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::out_of_memory,
-                fmt::format("{}: not enough memory for a file of {} bytes", name, bytes.size()));
+    return fail(
+        ErrorCode::out_of_memory,
+        fmt::format("{}: memory ran out: expected about {} bytes beside those of the file, found less", name,
+                    bytes.size()));
   }
 }
 
