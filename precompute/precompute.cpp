@@ -51,13 +51,14 @@ std::string options_json(const PrecomputeOptions& options, const PrecomputeRepor
           ? fmt::format(R"(,"estimated":{{"clusters":{:.3g},"rays":{:.3g},"cut":{:.3g},"precision":{:.3g}}})",
                         report.error.clusters, report.error.rays, report.error.cut, report.error.precision)
           : "";
-  const std::string directional = std::string(options.reciprocal ? R"(,"reciprocal":true)" : "") +
-                                  (options.directional ? R"(,"directional":true)" : "");
+  const std::string asked = std::string(options.reciprocal ? R"(,"reciprocal":true)" : "") +
+                            (options.bounds ? R"(,"bounds":true)" : "") +
+                            (options.directional ? R"(,"directional":true)" : "");
   return fmt::format(
       R"({{"error":{},"texel_size":{},"cluster_size":{},"quality":{},"sensor_quality":{},"budget":{},"system_lumels":{},"codec":"{}","max_albedo":{},"seed":{}{}{}}})",
       options.error, report.texel_size, report.cluster_size, plan.lumels.rays, plan.sensors.rays,
       options.budget, options.system_lumels, kCodecs[std::size_t(plan.codec)], options.max_albedo,
-      options.seed, directional, reached);
+      options.seed, asked, reached);
 }
 
 void add_sensors(const PrecomputeOptions& options, const std::vector<std::uint32_t>& systems, Model& model) {

@@ -245,14 +245,15 @@ std::vector<std::uint32_t> packed_directions(const CutTile& tile) {
 /// Appends tiles, or rows, to a matrix.
 class Appender {
  public:
-  Appender(const ImportTable& imports, bool shared, BlockMatrixBuilder& matrix)
-      : imports_(imports), shared_(shared), matrix_(matrix) {}
+  Appender(const ImportTable& imports, bool shared, BlockMatrixBuilder& matrix, HalvingList& halvings)
+      : imports_(imports), shared_(shared), matrix_(matrix), halvings_(halvings) {}
 
   void operator()(const CutTile& given) {
     if (imports_.is_coarsened()) {
       append(imports_.coarsened(given));
     } else {
       append(given);
+      halvings_.append(given.halvings);
     }
   }
 
@@ -272,6 +273,7 @@ class Appender {
   const ImportTable& imports_;
   bool shared_;
   BlockMatrixBuilder& matrix_;
+  HalvingList& halvings_;  ///< of the matrix; none where rows see coarser nodes than they were cut to
   std::vector<std::uint16_t> columns_;  // their memory serves again
   std::vector<double> values_;
 };
@@ -342,11 +344,14 @@ Result<void> store_system(const ModelParts& parts, ValueCodec codec, const Syste
   const auto columns = std::uint32_t(system.imports.size());
   const bool shared = !parts.tiles.empty();
   BlockMatrixBuilder bounce(columns, codec), gather(columns, codec);
-  tbb::parallel_invoke([&] { visit_tiles(groups.clusters, leaves, Appender(imports, shared, bounce)); },
-                       [&] {
-                         visit_tiles(groups.lumels, leaves, Appender(imports, shared, gather));
-                         visit_tiles(groups.sensors, leaves, Appender(imports, false, gather));
-                       });
+  HalvingList bounce_halvings, gather_halvings;
+  tbb::parallel_invoke(
+      [&] { visit_tiles(groups.clusters, leaves, Appender(imports, shared, bounce, bounce_halvings)); },
+      [&] {
+        visit_tiles(groups.lumels, leaves, Appender(imports, shared, gather, gather_halvings));
+        visit_tiles(groups.sensors, leaves, Appender(imports, false, gather, gather_halvings));
+      });
+  system.bounce_halvings = bounce_halvings.bytes(), system.gather_halvings = gather_halvings.bytes();
   system.bounce = std::move(bounce).finish();
   system.gather = std::move(gather).finish();
   return {};

@@ -269,6 +269,8 @@ std::optional<Result<void>> read_system_section(const Section& section, System& 
   if (id == kImports) return read_array(section, system.imports);
   if (id == kClusterRays) return read_array(section, system.rays);
   if (id == kCutErrors) return read_array(section, system.cut_errors);
+  if (id == kBounceHalvings) return read_array(section, system.bounce_halvings);
+  if (id == kGatherHalvings) return read_array(section, system.gather_halvings);
   if (id == kBounceBlock) return read_block(section, system.bounce);
   if (id == kGatherBlock) return read_block(section, system.gather);
   if (id == kGatherDirections) return read_directions(section, system.gather);
@@ -332,6 +334,8 @@ Result<Model> assemble(const std::vector<Section>& sections, const std::vector<b
     }
     system.bounce.columns = static_cast<std::uint32_t>(system.imports.size());
     system.gather.columns = system.bounce.columns;
+    // Nodes of systems that are not there have leaves that nobody knows.
+    if (!chosen.empty()) system.bounce_halvings.clear(), system.gather_halvings.clear();
   }
   return model;
 }

@@ -160,6 +160,8 @@ void add_system(const System& system, std::uint32_t index, SectionWriter& file) 
   file.add_array(kImports, index, system.imports);
   file.add(kClusterRays, index, std::as_bytes(std::span(system.rays)), kSectionOptional);
   file.add(kCutErrors, index, std::as_bytes(std::span(system.cut_errors)), kSectionOptional);
+  file.add(kBounceHalvings, index, std::as_bytes(std::span(system.bounce_halvings)), kSectionOptional);
+  file.add(kGatherHalvings, index, std::as_bytes(std::span(system.gather_halvings)), kSectionOptional);
   add_matrix(system.bounce, kBounceBlock, index, file);
   add_matrix(system.gather, kGatherBlock, index, file);
   for (const MatrixBlock& block : system.gather.blocks)
@@ -167,7 +169,7 @@ void add_system(const System& system, std::uint32_t index, SectionWriter& file) 
 }
 
 /// Of a model, and of each of its systems, beside their blocks; about.
-constexpr std::size_t kModelSections = 24, kSystemSections = 16;
+constexpr std::size_t kModelSections = 24, kSystemSections = 20;
 
 std::size_t likely_sections(const Model& model) {
   std::size_t sections = kModelSections;
@@ -185,7 +187,7 @@ std::size_t likely_bytes(const Model& model) {
     bytes += system.elements.size() * sizeof(SurfaceElement) + system.pieces.size() * sizeof(SurfacePiece) +
              system.lumels.size() * sizeof(Lumel) + system.clusters.size() * sizeof(Cluster) +
              system.probes.size() * sizeof(Probe) + system.probe_senders.size() * sizeof(ProbeSender) +
-             kSlack;
+             system.bounce_halvings.size() + system.gather_halvings.size() + kSlack;
     for (const BlockMatrix* matrix : {&system.bounce, &system.gather}) {
       for (const MatrixBlock& block : matrix->blocks) bytes += block_bytes(block) + kSlack / 64;
     }
