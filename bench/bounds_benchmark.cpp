@@ -50,6 +50,7 @@ std::vector<Rgb> moved(const std::vector<Rgb>& values, const std::vector<std::ui
 struct Promises {
   double outside = 0.0;      ///< share of rows that leave the bracket
   double width = 0.0;        ///< median of (high - low) / value
+  double untold = 0.0;       ///< the same without halvings
   double certificate = 0.0;  ///< over the true error, root mean square
   double off = 0.0;          ///< that error, relative to the answer
 };
@@ -73,8 +74,9 @@ double outside_share(const Bracket& bracket, const std::vector<Rgb>& exact) {
 /// Two models of the same rays, and their matrices.
 struct Pair {
   const Model &cut, &full;
-  ReferenceMatrices cut_matrices, cut_slack, full_matrices;
-  SameSurfaces same;  ///< numbers of the full one per cluster and row of the cut one
+  ReferenceMatrices cut_matrices, full_matrices;
+  LooseMatrices loose, untold;  ///< of the cut one, and as they were without halvings
+  SameSurfaces same;            ///< numbers of the full one per cluster and row of the cut one
 };
 
 Result<Promises> keep(const Pair& pair, const TestLight& light) {
@@ -82,8 +84,10 @@ Result<Promises> keep(const Pair& pair, const TestLight& light) {
   if (!cut) return tl::unexpected(cut.error());
   const auto full = answer_of(pair.full, pair.full_matrices, light, 1e-9);
   if (!full) return tl::unexpected(full.error());
-  const auto bracket = bracket_solution(pair.cut_matrices, pair.cut_slack, cut->lighting, cut->radiosity);
+  const auto bracket = bracket_solution(pair.loose, cut->lighting, cut->radiosity);
   if (!bracket) return tl::unexpected(bracket.error());
+  const auto untold = bracket_solution(pair.untold, cut->lighting, cut->radiosity);
+  if (!untold) return tl::unexpected(untold.error());
   const std::vector<Rgb> answer = moved(cut->irradiance, pair.same.gather_rows);
   const auto certificate =
       certify_against(pair.full_matrices, full->lighting, moved(cut->radiosity, pair.same.clusters), answer);
@@ -91,7 +95,9 @@ Result<Promises> keep(const Pair& pair, const TestLight& light) {
   std::vector<Rgb> exact;
   for (const std::uint32_t row : pair.same.gather_rows) exact.push_back(full->irradiance[row]);
   Promises found;
-  found.outside = outside_share(bracket->irradiance, exact);
+  found.outside =
+      std::max(outside_share(bracket->irradiance, exact), outside_share(untold->irradiance, exact));
+  found.untold = median(relative_widths(untold->irradiance, cut->irradiance));
   found.width = median(relative_widths(bracket->irradiance, cut->irradiance));
   found.off = relative_difference(answer, full->irradiance);
   std::vector<Rgb> certified = full->irradiance;
@@ -100,11 +106,30 @@ Result<Promises> keep(const Pair& pair, const TestLight& light) {
   return found;
 }
 
+double halvings_share(const Model& model) {
+  std::size_t halvings = 0, matrices = 0;
+  for (const System& system : model.systems) {
+    halvings += system.bounce_halvings.size() + system.gather_halvings.size();
+    for (const BlockMatrix* matrix : {&system.bounce, &system.gather}) {
+      for (const MatrixBlock& block : matrix->blocks) matrices += block_bytes(block);
+    }
+  }
+  return double(halvings) / double(matrices);
+}
+
 Result<Pair> pair_up(const Model& cut, const Model& full) {
   auto same = same_surfaces(full, cut);
   if (!same) return tl::unexpected(same.error());
-  return Pair{
-      cut, full, reference_matrices(cut), reference_slack(cut), reference_matrices(full), std::move(*same)};
+  LooseMatrices loose = loose_matrices(cut), untold = loose;
+  for (LooseRows* rows : {&untold.bounce, &untold.gather})
+    rows->first_halving.assign(rows->rows.rows, kUntold);
+  return Pair{cut,
+              full,
+              reference_matrices(cut),
+              reference_matrices(full),
+              std::move(loose),
+              std::move(untold),
+              std::move(*same)};
 }
 
 }  // namespace
@@ -118,15 +143,17 @@ Measurements bounds(const BenchmarkOptions& options) {
   chosen.error = options.error;
   chosen.texel_size = precompute_options(options, test->scene).texel_size;
   chosen.sensors = test->sensors;
+  chosen.bounds = true;
   PrecomputeReport report;
   const auto cut = precompute(test->scene, chosen, report);
   if (!cut) return tl::unexpected(cut.error());
-  chosen.budget = 65535, chosen.codec = ValueCodec::f32;
+  chosen.bounds = false, chosen.budget = 65535, chosen.codec = ValueCodec::f32;
   const auto full = precompute(test->scene, chosen, report);
   if (!full) return tl::unexpected(full.error());
   const auto pair = pair_up(*cut, *full);
   if (!pair) return tl::unexpected(pair.error());
-  std::vector<Measurement> result;
+  std::vector<Measurement> result{
+      {kName, "bytes of halvings over those of all matrices", "", {halvings_share(*cut)}}};
   for (const TestLight& light : test->lights) {
     const auto found = keep(*pair, light);
     if (!found) return tl::unexpected(found.error());
@@ -135,6 +162,7 @@ Measurements bounds(const BenchmarkOptions& options) {
                                                        light.name, 100.0 * found->outside));
     }
     result.push_back({kName, light.name + ": median width", "", {found->width}});
+    result.push_back({kName, light.name + ": median width without halvings", "", {found->untold}});
     result.push_back({kName, light.name + ": error", "", {found->off}});
     result.push_back({kName, light.name + ": certificate over error", "", {found->certificate}});
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <map>
 #include <queue>
 
@@ -61,6 +62,7 @@ TileCutter::TileCutter(const CutSenders& senders)
     : tree_(senders.tree),
       probing_(senders.probing),
       flux_(senders.flux),
+      places_(senders.places),
       seen_(senders.probing.senders.size()),
       place_(senders.probing.senders.size()) {}
 
@@ -242,6 +244,23 @@ void TileCutter::add_flux(const Candidate& kept) const {
   }
 }
 
+void TileCutter::append_halvings_of(const Candidate& c, std::size_t row, HalvingList& list) const {
+  const TreeNodeRange& range = tree_.nodes[c.node];
+  if ((*places_)[range.first].system != (*places_)[range.first + range.count - 1].system) return;
+  const auto begin = leaves_.begin() + std::ptrdiff_t(c.first),
+             end = leaves_.begin() + std::ptrdiff_t(c.last);
+  append_halvings(
+      range.count,
+      [&](std::uint32_t first, std::uint32_t last) {
+        double sum = 0.0;
+        for (auto leaf = std::lower_bound(begin, end, range.first + first);
+             leaf != end && *leaf < range.first + last; ++leaf)
+          sum += double(factors_[std::size_t(leaf - leaves_.begin()) * tile_.size() + row]);
+        return sum;
+      },
+      list);
+}
+
 std::vector<glm::vec3> TileCutter::moments_of(const std::vector<Candidate>& kept, std::size_t row) const {
   std::vector<glm::vec3> moments;
   for (const Candidate& c : kept) {
@@ -265,7 +284,9 @@ CutTile TileCutter::finish(std::vector<Candidate> kept) const {
     for (const Candidate& c : kept) {
       double sum = 0.0;
       for (std::size_t i = c.first; i < c.last; ++i) sum += double(factors_[i * tile_.size() + r]);
-      tile.values[r].push_back(float(sum));
+      const bool counts = sum >= double(std::numeric_limits<float>::min());  // what codes keep
+      tile.values[r].push_back(counts ? float(sum) : 0.0f);
+      if (places_ != nullptr && counts) append_halvings_of(c, r, tile.halvings);
     }
     if (!moments_.empty()) tile.moments.push_back(moments_of(kept, r));
     float squares = 0.0f;

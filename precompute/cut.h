@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "core/halvings.h"
+#include "core/model.h"
 #include "precompute/cluster_tree.h"
 #include "precompute/node_flux.h"
 #include "precompute/probing.h"
@@ -25,6 +27,9 @@ struct CutTile {
   std::vector<std::vector<glm::vec3>> moments;
   std::vector<float> error;  ///< [row]: of its irradiance by what the nodes hide, relative to its room's,
                              ///< estimated from the probings
+  /// Of all values that are not zero and nodes that lie in one system, row by row (core/halvings.h); empty
+  /// unless they are asked for.
+  HalvingList halvings;
 };
 
 struct CutLimits {
@@ -47,6 +52,7 @@ struct CutSenders {
   const ClusterTree& tree;
   const Probing& probing;
   NodeFlux* flux = nullptr;
+  const std::vector<SenderRef>* places = nullptr;  ///< per sender: in the model; with them, halvings are kept
 };
 
 /// How the error of a tile falls while it is refined: as long as a node's error is larger than `node`, the
@@ -88,12 +94,14 @@ class TileCutter {
   /// Squared: errors of nodes count as independent, and as what they add up to if that is more.
   float tile_error() const;
   CutTile finish(std::vector<Candidate> kept) const;
+  void append_halvings_of(const Candidate& kept, std::size_t row, HalvingList& list) const;
   std::vector<glm::vec3> moments_of(const std::vector<Candidate>& kept, std::size_t row) const;
   void add_flux(const Candidate& kept) const;
 
   const ClusterTree& tree_;
   const Probing& probing_;
   NodeFlux* flux_;
+  const std::vector<SenderRef>* places_;
   SenderSet seen_;
   std::vector<std::uint32_t> leaves_;      ///< that any row of the tile sees, ascending
   std::vector<std::uint32_t> place_;       ///< per sender: in leaves_

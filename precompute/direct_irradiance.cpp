@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "precompute/direct_irradiance.h"
 
+#include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -13,6 +14,7 @@
 #include "core/light_patches.h"
 #include "core/ray_offset.h"
 #include "precompute/arena_threads.h"
+#include "precompute/embree_memory.h"
 #include "precompute/lift_sensor.h"
 #include "precompute/light_samples.h"
 #include "precompute/mutual_visibility.h"
@@ -172,8 +174,11 @@ Result<DirectIrradiance> direct_irradiance(const Model& model, std::span<const L
     });
     return result;
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::out_of_memory,
-                "direct irradiance: not enough memory for the occluders of the model");
+    return fail(
+        ErrorCode::out_of_memory,
+        fmt::format("direct irradiance: memory ran out: expected about {} MB more for the occluders of "
+                    "the model, found less",
+                    embree_memory(model.occluders.triangles.size()) >> 20));
   }
 }
 

@@ -218,15 +218,11 @@ Result<OccluderBvh> build_occluder_bvh(std::span<const glm::vec3> positions,
   }
   if (auto enough = check_embree_memory(chosen.size()); !enough) return tl::unexpected(enough.error());
   const std::unique_ptr<RTCDeviceTy, Release> device(rtcNewDevice(nullptr));
-  if (!device) return fail(ErrorCode::out_of_memory, "Embree could not create a device");
+  if (!device) return tl::unexpected(no_embree_memory(chosen.size()));
   const std::unique_ptr<RTCBVHTy, Release> bvh(rtcNewBVH(device.get()));
   const RTCBuildArguments arguments = build_arguments(bvh.get(), primitives);
   auto* root = static_cast<BuiltNode*>(rtcBuildBVH(&arguments));
-  if (root == nullptr) {
-    return fail(ErrorCode::out_of_memory, "Embree could not build a tree over " +
-                                              std::to_string(chosen.size()) + " triangles (RTCError " +
-                                              std::to_string(int(rtcGetDeviceError(device.get()))) + ")");
-  }
+  if (root == nullptr) return tl::unexpected(no_embree_memory(chosen.size()));
   return Flattening(boxes, kBvhMargin * largest_coordinate(positions)).run(*root);
 }
 

@@ -115,6 +115,15 @@ SampledShare share_of(const Model& sample, std::uint32_t every) {
   return {share.clusters / clusters, share.elements / elements};
 }
 
+/// Bytes of halvings, where rows of these shares are traced.
+double halving_bytes(const Model& model, const SampledShare& share) {
+  double bytes = 0.0;
+  for (const System& system : model.systems)
+    bytes += double(system.bounce_halvings.size()) / share.clusters +
+             double(system.gather_halvings.size()) / share.elements;
+  return bytes;
+}
+
 /// Of light probes, scaled from those of the sample to all.
 struct ProbeSums {
   double entries = 0.0, bytes = 0.0;
@@ -176,7 +185,9 @@ PrecomputeEstimate extrapolate(const Model& sample, const SampleFacts& facts) {
   estimate.rows = std::uint64_t(all.rows) + facts.probes;
   estimate.nonzeros = std::uint64_t(all.nonzeros + probes.entries);
   const double sampled_matrices = matrix_bytes(sample);
-  const double rest = double(encode_model(sample).size()) - sampled_matrices + probes.missing_bytes;
+  const double halvings = halving_bytes(sample, share);
+  const double rest = double(encode_model(sample).size()) - sampled_matrices + probes.missing_bytes +
+                      halvings - halving_bytes(sample, {1.0, 1.0});
   estimate.file_bytes = std::uint64_t(rest + all.bytes);
   const double traced = double(facts.counts.rays + facts.counts.occlusion_rays);
   const double of_probes = double(facts.counts.probe_rays);
@@ -186,7 +197,7 @@ PrecomputeEstimate extrapolate(const Model& sample, const SampleFacts& facts) {
   estimate.seconds = facts.seconds_before + facts.seconds_rows * all_rays / std::max(traced, 1.0) +
                      facts.seconds_after * (1.0 + all.bytes / std::max(sampled_matrices, 1.0)) / 2.0;
   const double model = rest + all.bytes;
-  const double while_traced = bytes_while_traced(sample, sums, facts, share, model);
+  const double while_traced = bytes_while_traced(sample, sums, facts, share, model) + halvings;
   const double while_written = 2.0 * model + std::min(all.bytes, double(kMaxBlockBytes));
   estimate.memory_bytes =
       std::max(facts.peak_bytes, facts.resident_bytes + std::uint64_t(std::max(while_traced, while_written)));

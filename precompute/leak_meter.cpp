@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "precompute/leak_meter.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -13,6 +14,7 @@
 #include "core/sender_leaves.h"
 #include "precompute/arena_threads.h"
 #include "precompute/leak_view.h"
+#include "precompute/process_memory.h"
 
 namespace relume {
 namespace {
@@ -201,7 +203,10 @@ Result<LeakReport> measure_leaks(const Model& model, const LeakOptions& options)
     report.rows.insert(report.rows.end(), clusters.begin(), clusters.end());
     return report;
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::out_of_memory, "Memory ran out while leaks were measured.");
+    return fail(
+        ErrorCode::out_of_memory,
+        fmt::format("memory ran out while leaks were measured: expected more than {:.0f} MB, found less",
+                    1e-6 * double(peak_address_bytes())));
   }
 }
 

@@ -51,13 +51,14 @@ std::string options_json(const PrecomputeOptions& options, const PrecomputeRepor
           ? fmt::format(R"(,"estimated":{{"clusters":{:.3g},"rays":{:.3g},"cut":{:.3g},"precision":{:.3g}}})",
                         report.error.clusters, report.error.rays, report.error.cut, report.error.precision)
           : "";
-  const std::string directional = std::string(options.reciprocal ? R"(,"reciprocal":true)" : "") +
-                                  (options.directional ? R"(,"directional":true)" : "");
+  const std::string asked = std::string(options.reciprocal ? R"(,"reciprocal":true)" : "") +
+                            (options.bounds ? R"(,"bounds":true)" : "") +
+                            (options.directional ? R"(,"directional":true)" : "");
   return fmt::format(
       R"({{"error":{},"texel_size":{},"cluster_size":{},"quality":{},"sensor_quality":{},"budget":{},"system_lumels":{},"codec":"{}","max_albedo":{},"seed":{}{}{}}})",
       options.error, report.texel_size, report.cluster_size, plan.lumels.rays, plan.sensors.rays,
       options.budget, options.system_lumels, kCodecs[std::size_t(plan.codec)], options.max_albedo,
-      options.seed, directional, reached);
+      options.seed, asked, reached);
 }
 
 void add_sensors(const PrecomputeOptions& options, const std::vector<std::uint32_t>& systems, Model& model) {
@@ -361,6 +362,23 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   return model;
 }
 
+/// What a precompute needs that ran out of memory, for a sentence: from a few rows, where memory is enough
+/// for these; no less than what it has had.
+std::string needed_memory(const Scene& scene, PrecomputeOptions options, const ProgressObserver& observer) {
+  constexpr double kMega = 1e-6;
+  const std::uint64_t had = peak_address_bytes();
+  options.max_memory = 0;
+  try {
+    PrecomputeEstimate estimate;
+    PrecomputeReport unused;
+    const bool estimated = build(scene, options, unused, observer, &estimate).has_value();
+    const std::uint64_t needed = estimated ? estimate.memory_bytes + reserved_bytes() : 0;
+    if (needed > had) return fmt::format("about {:.0f} MB", kMega * double(needed));
+  } catch (const std::bad_alloc&) {
+  }
+  return fmt::format("more than {:.0f} MB", kMega * double(had));
+}
+
 /// build() in an arena of as many threads as asked for.
 Result<Model> build_in_arena(const Scene& scene, const PrecomputeOptions& options, PrecomputeReport& report,
                              const ProgressObserver& observer, PrecomputeEstimate* estimate) {
@@ -369,9 +387,11 @@ Result<Model> build_in_arena(const Scene& scene, const PrecomputeOptions& option
   try {
     return arena.execute([&] { return build(scene, options, report, observer, estimate); });
   } catch (const std::bad_alloc&) {
+    const std::string needed = arena.execute([&] { return needed_memory(scene, options, observer); });
     return fail(ErrorCode::out_of_memory,
-                fmt::format("{}: out of memory during the precompute; choose a larger texel or cluster size",
-                            scene.file_name));
+                fmt::format("{}: memory ran out: expected {}, found less; a larger --cluster-size or "
+                            "--texel-size, or fewer rays (--quality), need less",
+                            scene.file_name, needed));
   }
 }
 

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <string>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
@@ -15,6 +16,22 @@ std::uint64_t resident_bytes() {
   std::ifstream pages("/proc/self/statm");
   std::uint64_t all = 0, resident = 0;
   return pages >> all >> resident ? resident * std::uint64_t(sysconf(_SC_PAGESIZE)) : 0;
+}
+
+std::uint64_t peak_address_bytes() {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  std::uint64_t kibibytes = 0;
+  while (status >> word) {
+    if (word == "VmPeak:" && status >> kibibytes) return kibibytes * 1024;
+  }
+  return peak_resident_bytes();
+}
+
+std::uint64_t reserved_bytes() {
+  std::ifstream pages("/proc/self/statm");
+  std::uint64_t all = 0, resident = 0;
+  return pages >> all >> resident ? (all - resident) * std::uint64_t(sysconf(_SC_PAGESIZE)) : 0;
 }
 
 std::uint64_t peak_resident_bytes() {

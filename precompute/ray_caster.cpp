@@ -161,11 +161,21 @@ bool thin(const Mesh& mesh, std::size_t triangle) {
   return glm::length(glm::cross(c[1] - c[0], c[2] - c[0])) <= longest * mesh.largest * 0x1p-16f;
 }
 
+/// Builds the tree of a scene over so many triangles. Fails with out_of_memory, also where something went
+/// wrong before; the scene is then left to the system, since Embree ends the process when one is released
+/// whose building was cut short.
+Result<void> commit(RTCDevice device, EmbreeScene& scene, std::size_t triangles) {
+  rtcCommitScene(scene.get());
+  if (rtcGetDeviceError(device) == RTC_ERROR_NONE) return {};
+  static_cast<void>(scene.release());
+  return tl::unexpected(no_embree_memory(triangles));
+}
+
 /// Flags of each triangle; empty where none has any.
-std::vector<std::uint8_t> find_ties(RTCDevice device, const Mesh& mesh) {
+Result<std::vector<std::uint8_t>> find_ties(RTCDevice device, const Mesh& mesh) {
   OverlapSearch search{mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 0)};
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) search.overlaps[t] = thin(mesh, t) ? kThin : 0;
-  const EmbreeScene boxes(rtcNewScene(device));
+  EmbreeScene boxes(rtcNewScene(device));
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(mesh.triangles.size()));
   rtcSetGeometryUserData(geometry, &search);
@@ -173,7 +183,7 @@ std::vector<std::uint8_t> find_ties(RTCDevice device, const Mesh& mesh) {
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(boxes.get(), geometry);
   rtcReleaseGeometry(geometry);
-  rtcCommitScene(boxes.get());
+  if (auto built = commit(device, boxes, mesh.triangles.size()); !built) return tl::unexpected(built.error());
   rtcCollide(boxes.get(), boxes.get(), test_pairs, &search);
   const bool any =
       std::any_of(search.overlaps.begin(), search.overlaps.end(), [](auto flags) { return flags != 0; });
@@ -327,7 +337,7 @@ Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
   if (auto enough = check_embree_memory(triangles.size()); !enough) return tl::unexpected(enough.error());
   auto scene = std::make_unique<Scene>();
   scene->device.reset(rtcNewDevice((std::string("isa=") + instruction_set()).c_str()));
-  if (!scene->device) return fail(ErrorCode::out_of_memory, "Embree could not create a device");
+  if (!scene->device) return tl::unexpected(no_embree_memory(triangles.size()));
   scene->scene.reset(rtcNewScene(scene->device.get()));
   rtcSetSceneFlags(scene->scene.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   // Spatial splits of the high-quality builder depend on timing between threads; binned SAH does not.
@@ -335,18 +345,16 @@ Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
   const Mesh mesh{positions, triangles, largest_coordinate(positions)};
   scene->largest = mesh.largest;
   if (!triangles.empty()) {
-    scene->ties = find_ties(scene->device.get(), mesh);
+    auto ties = find_ties(scene->device.get(), mesh);
+    if (!ties) return tl::unexpected(ties.error());
+    scene->ties = std::move(*ties);
     scene->opacity = TriangleOpacity(opacity, positions, triangles);
     attach_triangles(scene->device.get(), scene->scene.get(), mesh, scene->opacity, true);
     if (scene->opacity.any())
       attach_triangles(scene->device.get(), scene->scene.get(), mesh, scene->opacity, false);
   }
-  rtcCommitScene(scene->scene.get());
-  if (const RTCError error = rtcGetDeviceError(scene->device.get()); error != RTC_ERROR_NONE) {
-    return fail(ErrorCode::out_of_memory, "Embree could not build its tree over " +
-                                              std::to_string(triangles.size()) + " triangles (RTCError " +
-                                              std::to_string(int(error)) + ")");
-  }
+  if (auto built = commit(scene->device.get(), scene->scene, triangles.size()); !built)
+    return tl::unexpected(built.error());
   scene->description = describe(scene->device.get());
   return RayCaster(std::move(scene));
 }

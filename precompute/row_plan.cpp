@@ -28,6 +28,7 @@ RowPlan plan_rows(const PrecomputeOptions& options, const Scene& scene) {
   const bool target = options.error > 0.0;
   plan.cut = target || options.budget > 0;
   plan.reciprocal = options.reciprocal;
+  plan.bounds = options.bounds;
   if (target && options.cluster_size <= 0.0)
     plan.clearance_share = kClearanceShare * std::sqrt(options.error);
   plan.adaptive = target && options.quality == 0;

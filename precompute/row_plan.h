@@ -16,6 +16,7 @@ struct RowPlan {
   bool cut = false;  ///< needs a survey
   bool adaptive =
       false;  ///< rays are doubled where that is worth it; the exchange of the limits is still to be found
+  bool bounds = false;           ///< cut rows tell how they share out what they see of nodes
   bool reciprocal = false;       ///< rows of clusters are projected before they are cut
   double clearance_share = 0.0;  ///< of clusters, to begin with; 0: all of one size
   RayLimits lumels, sensors;

@@ -184,8 +184,8 @@ std::vector<std::uint32_t> packed_directions(std::span<const std::vector<float>>
 class Appender {
  public:
   Appender(const ImportTable& imports, const std::vector<std::uint32_t>& leaves, bool shared,
-           BlockMatrixBuilder& matrix)
-      : imports_(imports), leaves_(leaves), shared_(shared), matrix_(matrix) {}
+           BlockMatrixBuilder& matrix, HalvingList& halvings)
+      : imports_(imports), leaves_(leaves), shared_(shared), matrix_(matrix), halvings_(halvings) {}
 
   void append(const RowGroup& group) {
     if (group.tiles == nullptr && !imports_.is_coarsened()) {
@@ -197,6 +197,7 @@ class Appender {
         append(imports_.coarsened(tile));
       } else {
         append(tile);
+        halvings_.append(tile.halvings);
       }
     });
   }
@@ -230,6 +231,7 @@ class Appender {
   const std::vector<std::uint32_t>& leaves_;
   bool shared_;
   BlockMatrixBuilder& matrix_;
+  HalvingList& halvings_;  ///< of the matrix; none where rows see coarser nodes than they were cut to
   std::vector<std::uint16_t> columns_;  // their memory serves again
   std::vector<double> values_;
 };
@@ -309,11 +311,14 @@ Result<void> store_system(const ModelParts& parts, ValueCodec codec, const Syste
   const bool shared = !parts.tiles.empty();
   BlockMatrixBuilder bounce(columns, codec, kMaxBlockBytes, entry_count(groups.clusters)),
       gather(columns, codec, kMaxBlockBytes, entry_count(groups.lumels) + entry_count(groups.sensors));
-  tbb::parallel_invoke([&] { Appender(imports, leaves, shared, bounce).append(groups.clusters); },
-                       [&] {
-                         Appender(imports, leaves, shared, gather).append(groups.lumels);
-                         Appender(imports, leaves, false, gather).append(groups.sensors);
-                       });
+  HalvingList bounce_halvings, gather_halvings;
+  tbb::parallel_invoke(
+      [&] { Appender(imports, leaves, shared, bounce, bounce_halvings).append(groups.clusters); },
+      [&] {
+        Appender(imports, leaves, shared, gather, gather_halvings).append(groups.lumels);
+        Appender(imports, leaves, false, gather, gather_halvings).append(groups.sensors);
+      });
+  system.bounce_halvings = bounce_halvings.bytes(), system.gather_halvings = gather_halvings.bytes();
   system.bounce = std::move(bounce).finish();
   system.gather = std::move(gather).finish();
   return {};

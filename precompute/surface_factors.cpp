@@ -15,6 +15,7 @@
 #include "precompute/arena_threads.h"
 #include "precompute/geometry.h"
 #include "precompute/mutual_visibility.h"
+#include "precompute/process_memory.h"
 #include "precompute/progress.h"
 #include "precompute/ray_caster.h"
 #include "precompute/sampling.h"
@@ -233,8 +234,11 @@ Result<SurfaceFactors> surface_factors(const Scene& scene, FactorGrouping groupi
   try {
     return arena.execute([&] { return build(scene, grouping, rays, seed, observer); });
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::out_of_memory,
-                fmt::format("{}: out of memory while measuring form factors", scene.file_name));
+    return fail(
+        ErrorCode::out_of_memory,
+        fmt::format("{}: memory ran out while form factors were measured: expected more than {:.0f} MB, "
+                    "found less",
+                    scene.file_name, 1e-6 * double(peak_address_bytes())));
   }
 }
 

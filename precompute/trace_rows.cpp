@@ -147,7 +147,7 @@ Result<TracedRows> trace_rows(const RowScene& scene, const Surfaces& surfaces, c
   std::optional<CutSenders> cut;
   if (plan.cut) {
     rows.flux.emplace(senders.tree, double(surfaces.geometry.area));
-    cut.emplace(CutSenders{senders.tree, *probing, &*rows.flux});
+    cut.emplace(CutSenders{senders.tree, *probing, &*rows.flux, plan.bounds ? &senders.places : nullptr});
   }
   if (auto traced = trace_systems(scene, surfaces, cut, plan, counts, observer, rows); !traced)
     return tl::unexpected(traced.error());

@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: MIT
 //
 // Between which values the solution of the full rows lies, told from the cut ones: interval iteration, where
-// a node stands for the least and the most of its leaves instead of their mean, and a stored form factor for
-// all that its code may mean.
+// a node stands for the least and the most that its leaves may make of it (as halvings allow, or else its
+// darkest and brightest leaf) instead of their mean, and a stored form factor for all that its code may mean.
 //
-//   high_i = M_i + rho_i ( H_i + sum_n K_in max_{j in n} high_j + slack_i ),  low_i likewise from the minima
+//   high_i = M_i + rho_i ( H_i + most of sum_j F_ij high_j ),  low_i likewise with the least
 //
-// The form factor to a node is the sum of those to its leaves, so whatever the rays shared out among the
+// over all rows of leaves that a row may come from (loose_rows.h), so whatever the rays shared out among the
 // leaves, the solution of the rows before they were cut and encoded lies inside (hierarchical bounds:
-// Lischinski, Smits, Greenberg, Bounds and Error Estimates for Radiosity, 1994). What rays, cluster sizes and
-// lights get wrong is not in it.
+// Lischinski, Smits, Greenberg, Bounds and Error Estimates for Radiosity, 1994). That needs no more than
+// intervals that the iteration maps into themselves: a bounce of the full rows maps everything inside of them
+// into them as well, and full rows of a sum and an albedo below 1 have but one solution, which bounces from
+// anywhere reach. What rays, cluster sizes and lights get wrong is not in it.
 #pragma once
 
 #include <functional>
 #include <vector>
 
-#include "core/reference_solver.h"
+#include "core/loose_rows.h"
 
 namespace relume {
 
@@ -30,13 +32,13 @@ struct SolutionBracket {
   std::uint32_t products = 0;
 };
 
-/// All systems must be loaded: only then do the errors of a row's values make up for each other.
-/// `slack`: reference_slack of the model that `matrices` are from. `start`: near the solution, best that of a
-/// solver. Iterated until what is left is 1e-6 of the largest radiosity, and widened by it. Refused
-/// (check_failed) where the intervals need not stay finite: max_i rho_i (sum_j K_ij + 2 slack_ij) of 1 or
-/// more; `cancelled` when `go_on` (asked before each product) returns false.
-Result<SolutionBracket> bracket_solution(const ReferenceMatrices& matrices, const ReferenceMatrices& slack,
-                                         const Lighting& lighting, const std::vector<Rgb>& start,
+/// `matrices`: of a model all of whose systems are loaded; only then do the errors of a row's values make up
+/// for each other. `start`: near the solution, best that of a solver. Iterated outwards until the intervals
+/// hold what an iteration makes of them, then inwards until that hardly narrows them. Refused (check_failed)
+/// where max_i rho_i sum_j F_ij is 1 or more, and where intervals grow without end; `cancelled` when `go_on`
+/// (asked before each product) returns false.
+Result<SolutionBracket> bracket_solution(const LooseMatrices& matrices, const Lighting& lighting,
+                                         const std::vector<Rgb>& start,
                                          const std::function<bool()>& go_on = {});
 
 /// (high - low) / value of the sum of the channels, per row; 0 where the value is 0.

@@ -191,7 +191,8 @@ Result<void> check_model(const Model& model) {
   for (std::size_t index = 0; index < model.systems.size(); ++index) {
     if (auto checked = check_system(model, index); !checked) return checked;
   }
-  return check_top_tree(model);
+  if (auto checked = check_top_tree(model); !checked) return checked;
+  return check_halvings(model);
 }
 
 }  // namespace relume

@@ -269,6 +269,8 @@ std::optional<Result<void>> read_system_section(const Section& section, System& 
   if (id == kImports) return read_array(section, system.imports);
   if (id == kClusterRays) return read_array(section, system.rays);
   if (id == kCutErrors) return read_array(section, system.cut_errors);
+  if (id == kBounceHalvings) return read_array(section, system.bounce_halvings);
+  if (id == kGatherHalvings) return read_array(section, system.gather_halvings);
   if (id == kBounceBlock) return read_block(section, system.bounce);
   if (id == kGatherBlock) return read_block(section, system.gather);
   if (id == kGatherDirections) return read_directions(section, system.gather);
@@ -332,6 +334,8 @@ Result<Model> assemble(const std::vector<Section>& sections, const std::vector<b
     }
     system.bounce.columns = static_cast<std::uint32_t>(system.imports.size());
     system.gather.columns = system.bounce.columns;
+    // Nodes of systems that are not there have leaves that nobody knows.
+    if (!chosen.empty()) system.bounce_halvings.clear(), system.gather_halvings.clear();
   }
   return model;
 }
@@ -360,8 +364,10 @@ Result<Model> decode_model(std::span<const std::byte> bytes, const std::string& 
     if (!sections) return tl::unexpected(sections.error());
     return decode_sections(*sections, {}, name);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::out_of_memory,
-                fmt::format("{}: not enough memory for a file of {} bytes", name, bytes.size()));
+    return fail(
+        ErrorCode::out_of_memory,
+        fmt::format("{}: memory ran out: expected about {} bytes beside those of the file, found less", name,
+                    bytes.size()));
   }
 }
 

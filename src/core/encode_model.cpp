@@ -162,6 +162,8 @@ void add_system(const System& system, std::uint32_t index, SectionWriter& file) 
   file.borrow_array(kImports, index, system.imports);
   file.borrow_array(kClusterRays, index, system.rays, kSectionOptional);
   file.borrow_array(kCutErrors, index, system.cut_errors, kSectionOptional);
+  file.borrow_array(kBounceHalvings, index, system.bounce_halvings, kSectionOptional);
+  file.borrow_array(kGatherHalvings, index, system.gather_halvings, kSectionOptional);
   add_matrix(system.bounce, kBounceBlock, index, file);
   add_matrix(system.gather, kGatherBlock, index, file);
   for (const MatrixBlock& block : system.gather.blocks)

@@ -218,6 +218,8 @@ struct System {
   /// Per lumel: estimate of what the nodes that its row keeps hide, relative to its room's root mean square
   /// irradiance; empty: rows are full, or it is not told.
   std::vector<float> cut_errors;
+  /// How rows share out what they see of nodes (core/halvings.h); empty: not told.
+  std::vector<std::uint8_t> bounce_halvings, gather_halvings;
   BlockMatrix bounce;  ///< K: clusters x imports
   BlockMatrix gather;  ///< G: (lumels, sensors) x imports
 };

@@ -38,6 +38,9 @@ Result<void> check_top_tree(const Model& model);
 /// The promises of system `index`; those of the occluders are checked before.
 Result<void> check_system(const Model& model, std::size_t index);
 
+/// The promises of core/halvings.h; all systems and nodes are checked before.
+Result<void> check_halvings(const Model& model);
+
 /// The promises of core/probe_volume.h.
 Result<void> check_probe_volume(const Model& model);
 

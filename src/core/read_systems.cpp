@@ -110,7 +110,11 @@ Result<Model> read_chosen(SectionFile& file, const std::vector<bool>& chosen) {
 }
 
 tl::unexpected<Error> no_memory(const fs::path& file) {
-  return fail(ErrorCode::out_of_memory, fmt::format("{}: not enough memory to read it", file.string()));
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(file, error);
+  return fail(ErrorCode::out_of_memory,
+              fmt::format("{}: memory ran out: expected up to {} bytes to read it, found less", file.string(),
+                          error ? 0 : 2 * size));
 }
 
 }  // namespace

@@ -7,53 +7,11 @@
 #include <utility>
 
 #include "core/certificate.h"
-#include "core/sender_leaves.h"
+#include "core/sender_numbers.h"
 #include "core/sender_product.h"
-#include "core/value_slack.h"
 
 namespace relume {
 namespace {
-
-/// Senders numbered through: leaves (clusters, sky patches), nodes of each system, nodes of the sky, nodes
-/// above the systems.
-class SenderNumbers {
- public:
-  explicit SenderNumbers(const Model& model) : model_(model), leaves_(model), next_(leaves_.count()) {
-    for (const System& system : model.systems) add_nodes(system.tree.nodes.size());
-    add_nodes(model.sky_tree.nodes.size());
-    add_nodes(model.top_tree.size());
-  }
-
-  const LeafNumbers& leaves() const { return leaves_; }
-  std::uint32_t senders() const { return next_; }
-  /// kNone: nothing of the sender is loaded.
-  std::uint32_t number(const SenderRef& sender) const {
-    const SenderLeaves leaves = leaves_.leaves_of(sender);
-    if (leaves.ranges.empty()) return kNone;
-    const std::size_t systems = model_.systems.size();
-    if (sender.system == kSpanningNodes) return first_node_[systems + 1] + sender.index;
-    const bool sky = sender.system == kSkySystem;
-    const std::size_t own = sky ? model_.sky_cells.size() : model_.systems[sender.system].clusters.size();
-    if (sender.index < own) return leaves.ranges.front().first;
-    return first_node_[sky ? systems : sender.system] + (sender.index - static_cast<std::uint32_t>(own));
-  }
-  std::vector<std::uint32_t> of_imports(const System& system) const {
-    std::vector<std::uint32_t> numbers;
-    for (const SenderRef& sender : system.imports) numbers.push_back(number(sender));
-    return numbers;
-  }
-
- private:
-  void add_nodes(std::size_t count) {
-    first_node_.push_back(next_);
-    next_ += static_cast<std::uint32_t>(count);
-  }
-
-  const Model& model_;
-  LeafNumbers leaves_;
-  std::uint32_t next_ = 0;
-  std::vector<std::uint32_t> first_node_;  ///< per system, of the sky, above the systems
-};
 
 /// Appends the rows of one system to `all`, with columns renumbered and sorted again. A sender that is not
 /// loaded has no column: it has no radiosity either.
@@ -77,40 +35,6 @@ void append_rows(const CsrMatrix& local, const std::vector<std::uint32_t>& numbe
   all.rows += local.rows;
 }
 
-CsrMatrix empty_matrix(std::uint32_t columns) {
-  CsrMatrix matrix;
-  matrix.columns = columns;
-  matrix.row_offsets.push_back(0);
-  return matrix;
-}
-
-/// Appends a row of P.
-void append_node(const SenderRef& node, const LeafNumbers& numbers, CsrMatrix& nodes) {
-  const SenderLeaves leaves = numbers.leaves_of(node);
-  for (const LeafRange& range : leaves.ranges) {
-    for (std::uint32_t i = 0; i < range.count; ++i) {
-      nodes.column_indices.push_back(range.first + i);
-      nodes.values.push_back(range.share_of(i));
-    }
-  }
-  nodes.row_offsets.push_back(nodes.values.size());
-  ++nodes.rows;
-}
-
-/// P: nodes in the order of SenderNumbers.
-CsrMatrix node_matrix(const Model& model, const LeafNumbers& numbers) {
-  CsrMatrix nodes = empty_matrix(numbers.count());
-  const auto append = [&](std::size_t system, std::size_t first, std::size_t count) {
-    for (std::size_t n = first; n < first + count; ++n)
-      append_node({static_cast<std::uint32_t>(system), static_cast<std::uint32_t>(n)}, numbers, nodes);
-  };
-  for (std::size_t s = 0; s < model.systems.size(); ++s)
-    append(s, model.systems[s].clusters.size(), model.systems[s].tree.nodes.size());
-  append(kSkySystem, model.sky_cells.size(), model.sky_tree.nodes.size());
-  append(kSpanningNodes, 0, model.top_tree.size());
-  return nodes;
-}
-
 /// Radiosity of all senders.
 std::vector<Rgb> senders(const CsrMatrix& nodes, const Lighting& lighting,
                          const std::vector<Rgb>& radiosity) {
@@ -127,34 +51,23 @@ SenderMatrix::SenderMatrix(CsrMatrix all_rows, CsrMatrix all_nodes)
 
 namespace {
 
-using DecodeRows = CsrMatrix (*)(const BlockMatrix&);
-
 /// `part`: which rows of each system.
-SenderMatrix decoded_matrix(const Model& model, BlockMatrix System::*part, DecodeRows decode_rows) {
+SenderMatrix decoded_matrix(const Model& model, BlockMatrix System::*part) {
   const SenderNumbers numbers(model);
   CsrMatrix rows = empty_matrix(numbers.senders());
   for (const System& system : model.systems)
-    append_rows(decode_rows(system.*part), numbers.of_imports(system), rows);
+    append_rows(decode(system.*part), numbers.of_imports(system), rows);
   return {std::move(rows), node_matrix(model, numbers.leaves())};
-}
-
-ReferenceMatrices decoded_matrices(const Model& model, DecodeRows decode_rows) {
-  return {decoded_matrix(model, &System::bounce, decode_rows),
-          decoded_matrix(model, &System::gather, decode_rows)};
 }
 
 }  // namespace
 
 SenderMatrix reference_bounce_matrix(const Model& model) {
-  return decoded_matrix(model, &System::bounce, decode);
+  return decoded_matrix(model, &System::bounce);
 }
 
 ReferenceMatrices reference_matrices(const Model& model) {
-  return decoded_matrices(model, decode);
-}
-
-ReferenceMatrices reference_slack(const Model& model) {
-  return decoded_matrices(model, decode_slack);
+  return {decoded_matrix(model, &System::bounce), decoded_matrix(model, &System::gather)};
 }
 
 std::vector<Rgb> bounce(const SenderMatrix& bounce_matrix, const Lighting& lighting,
@@ -169,8 +82,12 @@ std::vector<Rgb> bounce(const SenderMatrix& bounce_matrix, const Lighting& light
 }
 
 Result<void> check_shapes(const SenderMatrix& matrix, const Lighting& lighting) {
-  const std::size_t clusters = matrix.rows.rows;
-  const std::size_t leaves = matrix.rows.columns - matrix.nodes.rows;
+  return check_shapes(matrix.rows, matrix.nodes, lighting);
+}
+
+Result<void> check_shapes(const CsrMatrix& rows, const CsrMatrix& nodes, const Lighting& lighting) {
+  const std::size_t clusters = rows.rows;
+  const std::size_t leaves = rows.columns - nodes.rows;
   const bool fits = lighting.albedo.size() == clusters && lighting.exitance.size() == clusters &&
                     lighting.direct.size() == clusters && clusters + lighting.sky_radiosity.size() == leaves;
   if (fits) return {};

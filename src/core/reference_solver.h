@@ -35,9 +35,6 @@ ReferenceMatrices reference_matrices(const Model& model);
 /// The first of them alone.
 SenderMatrix reference_bounce_matrix(const Model& model);
 
-/// Of the same pattern: how far the entries of the rows may be from those that were encoded (decode_slack).
-ReferenceMatrices reference_slack(const Model& model);
-
 /// One application of K: M + rho (H + K b), b = `radiosity` of the clusters, then the sky's, then that of the
 /// nodes by P.
 std::vector<Rgb> bounce(const SenderMatrix& bounce_matrix, const Lighting& lighting,
@@ -62,6 +59,8 @@ Result<void> check_contraction(const ContractionBound& contraction);
 
 /// The lengths of the lighting's arrays fit the matrix.
 Result<void> check_shapes(const SenderMatrix& bounce_matrix, const Lighting& lighting);
+/// The same of the parts of one.
+Result<void> check_shapes(const CsrMatrix& rows, const CsrMatrix& nodes, const Lighting& lighting);
 
 /// Called after each bounce; return false to cancel.
 using BounceObserver = std::function<bool(std::uint32_t bounces, double error_bound)>;

@@ -167,7 +167,15 @@ Result<void> write_model(const Model& model, const fs::path& file) {
   try {
     return write_parts(file, encode_model_parts(model).parts);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::out_of_memory, fmt::format("{}: not enough memory to write it", file.string()));
+    std::size_t matrices = 0;
+    for (const System& system : model.systems) {
+      for (const BlockMatrix* matrix : {&system.bounce, &system.gather}) {
+        for (const MatrixBlock& block : matrix->blocks) matrices += block_bytes(block);
+      }
+    }
+    return fail(ErrorCode::out_of_memory,
+                fmt::format("{}: memory ran out: expected more than {} bytes more to write it, found less",
+                            file.string(), matrices));
   }
 }
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cstdio>
 #include <exception>
 #include <new>
 
+#include "precompute/process_memory.h"
 #include "tool/arguments.h"
 #include "tool/interrupt.h"
 
@@ -15,7 +17,9 @@ Result<int> run_guarded(const CommandArguments& command, Console& console) {
   try {
     return std::visit([&](const auto& arguments) { return run(arguments, console); }, command);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::out_of_memory, "Out of memory.");
+    return fail(ErrorCode::out_of_memory,
+                fmt::format("memory ran out: expected more than {:.0f} MB, found less",
+                            1e-6 * double(peak_address_bytes())));
   } catch (const std::exception& error) {
     return fail(ErrorCode::bad_input, std::string("An error that nothing foresaw: ") + error.what() + ".");
   }

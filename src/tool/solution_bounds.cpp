@@ -31,11 +31,11 @@ std::vector<double> lumel_widths(const Model& model, const SolveOutcome& outcome
 
 Result<SolutionBounds> bound_solution(const Model& model, const Lighting& lighting,
                                       const SolveOutcome& outcome, Console& console) {
-  Result<SolutionBracket> bracket = bracket_solution(reference_matrices(model), reference_slack(model),
-                                                     lighting, outcome.solution.radiosity, [&console] {
-                                                       console.progress("bounds", 0.0);
-                                                       return !interrupted();
-                                                     });
+  Result<SolutionBracket> bracket =
+      bracket_solution(loose_matrices(model), lighting, outcome.solution.radiosity, [&console] {
+        console.progress("bounds", 0.0);
+        return !interrupted();
+      });
   console.end_progress();
   if (!bracket) return tl::unexpected(bracket.error());
   SolutionBounds bounds;

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <new>
+
 #include "core/model_file.h"
 #include "tool/answer_certificate.h"
 #include "tool/direct_light.h"
@@ -93,15 +95,24 @@ void say_assurance(const SolveArguments& arguments, const Assurance& assurance, 
   if (assurance.certificate) console.say(certificate_sentence(*assurance.certificate, arguments.certify));
 }
 
-}  // namespace
+/// Bytes that a solve takes beside the model: each form factor as a double and a column, once more while
+/// rows are put together; with bounds, what it may be off by in two ways; a few numbers per row, and images.
+std::uint64_t needed_memory(const Model& model, const SolveArguments& arguments) {
+  constexpr std::uint64_t kOfFactor = 24, kOfBounds = 48, kOfRow = 1024, kOfTexel = 64;
+  const std::uint64_t of_factor = kOfFactor + (arguments.bounds ? kOfBounds : 0);
+  std::uint64_t bytes = 0;
+  for (const System& system : model.systems) {
+    for (const BlockMatrix* matrix : {&system.bounce, &system.gather})
+      bytes += of_factor * summarise(*matrix).nonzeros + kOfRow * matrix->rows;
+    bytes += kOfTexel * system.lightmap_width * system.lightmap_height;
+  }
+  return bytes;
+}
 
-Result<int> run(const SolveArguments& arguments, Console& console) {
-  Stopwatch total;
+Result<int> solve_model(const SolveArguments& arguments, const Result<Model>& model, const Stopwatch& started,
+                        double read_seconds, Console& console) {
+  Stopwatch total = started;
   Stopwatch watch;
-  const Result<Model> model = arguments.systems.empty() ? read_model(arguments.file)
-                                                        : read_systems(arguments.file, arguments.systems);
-  if (!model) return tl::unexpected(model.error());
-  const double read_seconds = watch.lap();
   std::string direct_by = kProcessor;
   DirectLightSource direct;
   if (!arguments.solver.reference)
@@ -149,6 +160,23 @@ Result<int> run(const SolveArguments& arguments, Console& console) {
   if (assurance->certificate) result.emplace_back("certificate", certificate_json(*assurance->certificate));
   console.finish(std::move(result));
   return 0;
+}
+
+}  // namespace
+
+Result<int> run(const SolveArguments& arguments, Console& console) {
+  const Stopwatch started;
+  Stopwatch watch;
+  const Result<Model> model = arguments.systems.empty() ? read_model(arguments.file)
+                                                        : read_systems(arguments.file, arguments.systems);
+  if (!model) return tl::unexpected(model.error());
+  try {
+    return solve_model(arguments, model, started, watch.lap(), console);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::out_of_memory,
+                fmt::format("{}: memory ran out: expected about {:.0f} MB beside the model, found less",
+                            arguments.file.string(), 1e-6 * double(needed_memory(*model, arguments))));
+  }
 }
 
 }  // namespace relume
