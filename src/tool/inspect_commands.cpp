@@ -6,6 +6,7 @@
 #include "core/model_file.h"
 #include "tool/leak_report.h"
 #include "tool/model_summary.h"
+#include "tool/named_errors.h"
 
 namespace relume {
 namespace {
@@ -43,6 +44,7 @@ Result<int> run(const InfoArguments& arguments, Console& console) {
                           model->provenance.ray_tracer));
   for (const std::string& line : summary_lines(summary)) console.say("  " + line);
   for (const std::string& line : system_lines(*model)) console.say("  " + line);
+  console.say("  " + stored_errors_line(*model));
   console.say(fmt::format(
       "  {}, {}, {}{}", counted(model->materials.size(), "material"), counted(model->nodes.size(), "node"),
       counted(model->lights.size(), "punctual light"), model->lit_by_rig ? " (the stated rig)" : ""));
@@ -50,7 +52,8 @@ Result<int> run(const InfoArguments& arguments, Console& console) {
   JsonObject object{{"file", arguments.file}};
   for (auto& member : summary_json(summary, file_bytes)) object.push_back(std::move(member));
   for (auto& member : light_counts(*model)) object.push_back(std::move(member));
-  object.insert(object.end(), {{"material_list", material_list(*model)},
+  object.insert(object.end(), {{"errors", stored_errors_json(*model)},
+                               {"material_list", material_list(*model)},
                                {"scene_file", model->provenance.scene_file},
                                {"tool", model->provenance.tool},
                                {"ray_tracer", model->provenance.ray_tracer},

@@ -71,6 +71,14 @@ JsonValue number_or_null(const std::optional<double>& share) {
   return share ? JsonValue(*share) : JsonValue();
 }
 
+/// Of lists that say which leaves of a node rows see (core/halvings.h).
+std::uint64_t halving_bytes(const Model& model) {
+  std::uint64_t bytes = 0;
+  for (const System& system : model.systems)
+    bytes += system.bounce_halvings.size() + system.gather_halvings.size();
+  return bytes;
+}
+
 }  // namespace
 
 Result<NamedErrors> name_errors(const Model& model, const LightingSetup& setup, const SolveOutcome& outcome) {
@@ -102,6 +110,30 @@ std::string errors_sentence(const NamedErrors& errors) {
       errors.noise && errors.noise->measured ? "standard error for these lights"
                                              : "as independent rays would err; these are better",
       100.0 * errors.precision, errors.light ? percent(errors.light) : "none", 100.0 * errors.iteration);
+}
+
+std::string stored_errors_line(const Model& model) {
+  const auto clusters = estimated(model, "clusters"), rays = estimated(model, "rays"),
+             cut = estimated(model, "cut");
+  const double precision = worst_precision(model);
+  const double halvings = 1e-6 * double(halving_bytes(model));
+  const std::string bounds = halvings > 0.0 ? fmt::format("{:.1f} MB kept for narrow bounds", halvings)
+                                            : "nothing kept for narrow bounds (precompute --bounds)";
+  if (!clusters || !rays || !cut)
+    return fmt::format("errors not estimated (--error), but of stored values: {:.2g} %; {}",
+                       100.0 * precision, bounds);
+  const ErrorEstimate error{*clusters, *rays, *cut, precision};
+  return fmt::format("estimated error {}: clusters {}, rays {}, cut {}, stored values {:.2g} %; {}",
+                     percent(error.total()), percent(clusters), percent(rays), percent(cut),
+                     100.0 * precision, bounds);
+}
+
+JsonValue stored_errors_json(const Model& model) {
+  return JsonObject{{"clusters", number_or_null(estimated(model, "clusters"))},
+                    {"rays", number_or_null(estimated(model, "rays"))},
+                    {"cut", number_or_null(estimated(model, "cut"))},
+                    {"precision", worst_precision(model)},
+                    {"bounds_bytes", halving_bytes(model)}};
 }
 
 JsonValue errors_json(const NamedErrors& errors) {

@@ -32,4 +32,9 @@ std::string errors_sentence(const NamedErrors& errors);
 /// The object `errors` of `solve --json`.
 JsonValue errors_json(const NamedErrors& errors);
 
+/// What a file says of its errors, whatever the lights: a line for people, and the object `errors` of
+/// `info --json`.
+std::string stored_errors_line(const Model& model);
+JsonValue stored_errors_json(const Model& model);
+
 }  // namespace relume

@@ -28,6 +28,10 @@ TEST(Assurance, NamesEachErrorAndHoldsTheAnswerAgainstFullRows) {
   const std::string cut = precompute_into(folder / "cut.relume", scene, {"--error", "10%"});
   const std::string full = precompute_into(folder / "full.relume", scene,
                                            {"--error", "10%", "--budget", "65535", "--values", "f32"});
+  const auto stored = relume_json({"info", cut}).at("errors");
+  EXPECT_GT(stored.at("clusters").get<double>(), 0.0);
+  EXPECT_EQ(stored.at("precision"), 0.006);  // sqrt8
+  EXPECT_EQ(stored.at("bounds_bytes"), 0);
   const std::string lamp = (folder / "lamp.json").string();
   write_text(lamp, R"({"lights":[{"type":"point","intensity":100,"position":[0.5,0.7,0.4]}]})");
 
