@@ -7,6 +7,7 @@
 #include <cstring>
 #include <random>
 
+#include "core/bracket.h"
 #include "core/model_file.h"
 #include "core/reference_solver.h"
 #include "core/section_table.h"
@@ -91,5 +92,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   test::require(solution.has_value(), "what passes the checks can be solved");
   for (const Rgb& b : solution->radiosity)
     test::require(std::isfinite(b.x + b.y + b.z), "radiosity is finite");
+  int products = 8;
+  const auto bracket = bracket_solution(loose_matrices(*model), stored_lighting(*model), solution->radiosity,
+                                        [&] { return products-- > 0; });
+  if (!bracket) return 0;
+  for (std::size_t i = 0; i < bracket->radiosity.low.size(); ++i) {
+    const Rgb width = bracket->radiosity.high[i] - bracket->radiosity.low[i];
+    test::require(width.x >= 0.0 && width.y >= 0.0 && width.z >= 0.0, "bounds are in order");
+  }
   return 0;
 }
