@@ -69,7 +69,8 @@ struct PrecomputeOptions {
   /// Rows of clusters obey reciprocity and keep their sums (reciprocal_rows.h): less noise of rays, and
   /// symmetric solvers converge. They are then held in memory together.
   bool reciprocal = false;
-  bool bounds = false;       ///< cut rows tell how they share out what they see of nodes (core/halvings.h)
+  bool bounds = false;       ///< cut rows tell how they share out what they see of nodes (core/halvings.h),
+                             ///< and those between clusters are cut twice as fine
   bool directional = false;  ///< the gather matrix gets directions (core/directional_irradiance.h)
   bool keep_rows = false;    ///< the report gets rows
   /// Rows of an earlier precompute (rows_file.h), whose sizes count as asked for where none are. Only rays

@@ -12,13 +12,17 @@ namespace {
 /// twentieth (two furnished rooms; a dark room that light reaches through a door). At 1.6 that dark room is
 /// off by a fifth more.
 constexpr double kClusterShareOfError = 0.8;
+/// Where halvings are kept, for narrow bounds: what rows between clusters leave open goes through all
+/// bounces.
+constexpr double kClusterShareForBounds = 0.4;
 
 /// Limits of each row of a system's clusters.
-std::vector<CutLimits> cluster_cuts(const TracedSystem& system, const std::vector<CutLimits>& node_cuts) {
+std::vector<CutLimits> cluster_cuts(const TracedSystem& system, const std::vector<CutLimits>& node_cuts,
+                                    double share) {
   std::vector<CutLimits> cuts(system.surface.cluster_count);
   for (std::size_t e = 0; e < system.surface.cluster.size(); ++e)
     cuts[system.surface.cluster[e]] = node_cuts[system.node(std::uint32_t(e))];
-  for (CutLimits& cut : cuts) cut.node_error *= kClusterShareOfError;
+  for (CutLimits& cut : cuts) cut.node_error *= share;
   return cuts;
 }
 
@@ -35,7 +39,8 @@ std::vector<CutTile> cut_clusters(const CutSenders& senders, const TracedSystem&
     row.area += element.area;
     row.place = {element.position, element.normal};
   }
-  const std::vector<CutLimits> limits = cluster_cuts(system, node_cuts);
+  const double share = senders.places != nullptr ? kClusterShareForBounds : kClusterShareOfError;
+  const std::vector<CutLimits> limits = cluster_cuts(system, node_cuts, share);
   return cut_rows(senders, cut, {kTileRows, limits});
 }
 
