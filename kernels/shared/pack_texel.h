@@ -20,7 +20,7 @@ RELUME_SHARED_BEGIN
 
 const uint kInfinityBits = 0x7f800000u;
 const uint kHalfOne = 0x3c00u;
-const uint kSmallestNormalHalf = 0x0400u;  // 2^-14
+const uint kSmallestNormalHalf = 0x0400u;     // 2^-14
 const uint kLargestRgb9e5Bits = 0x477f8000u;  // 65408
 
 /// value / 2^shift, 1 <= shift <= 31.

@@ -29,7 +29,7 @@ TEST(Files, InfoHasTheKeysThatScriptsRelyOn) {
   EXPECT_EQ(info.at("systems"), 1);
   EXPECT_EQ(info.at("sensors"), 1);
   EXPECT_EQ(info.at("probes"), 0);
-  EXPECT_EQ(info.at("sky_patches"), 0);  // a closed room
+  EXPECT_EQ(info.at("sky_patches"), 0);                     // a closed room
   EXPECT_TRUE(info.at("errors").at("clusters").is_null());  // no target
   EXPECT_EQ(info.at("errors").at("precision"), 1e-4);       // 16 bits
   EXPECT_EQ(info.at("file_bytes"), std::filesystem::file_size(box.file));
