@@ -49,7 +49,7 @@ void average_over_view(const std::vector<FormFactorRow>& rows, const std::vector
 std::vector<std::uint32_t> find_rooms(const std::vector<FormFactorRow>& rows,
                                       const std::vector<glm::vec3>& centroids,
                                       const std::vector<float>& areas) {
-  RoomSearch search{centroids, areas, connected_sets(rows), {}};
+  RoomSearch search{areas, connected_sets(rows), {}};
   for (std::size_t c = 0; c < rows.size(); ++c) search.keys.push_back(key_of(rows[c], centroids[c]));
   const auto average = [&rows](const auto& values, auto& means) { average_over_view(rows, values, means); };
   return find_rooms(search, average).of_cluster;

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <glm/common.hpp>
-#include <glm/geometric.hpp>
 #include <numeric>
 
 #include "core/mix.h"
@@ -13,54 +11,45 @@
 namespace relume {
 namespace {
 
-constexpr std::size_t kWaves = 16, kSigns = 16;
-static_assert(kWaves + kSigns == kRoomFunctions);
-/// Of random signs beside waves between -1 and 1.
-constexpr double kSignStrength = 0.3;
-/// The first functions: waves across the scene, from as long as it is to a sixteenth. They tell far from
-/// near.
-void add_waves(const std::vector<glm::vec3>& centroids, std::vector<RoomFunctions>& values) {
-  glm::vec3 lower = centroids[0], upper = lower;
-  for (const glm::vec3& c : centroids) lower = glm::min(lower, c), upper = glm::max(upper, c);
-  const glm::vec3 size = upper - lower;
-  const float extent = std::max({size.x, size.y, size.z, 1e-6f});
-  for (std::size_t f = 0; f < kWaves; ++f) {
-    const auto random = [&](std::uint64_t k) {
-      return double(mix(0x524f4f4dull + f, k) >> 40) / double(1 << 24);
-    };
-    glm::dvec3 wave(random(0) - 0.5, 0.5 * (random(1) - 0.5), random(2) - 0.5);
-    const double waves_across = std::pow(16.0, double(f) / (kWaves - 1));
-    wave *= waves_across / (std::max(glm::length(wave), 1e-3) * double(extent));
-    for (std::size_t c = 0; c < centroids.size(); ++c) {
-      const double phase = glm::dot(wave, glm::dvec3(centroids[c] - lower)) + random(3);
-      // A triangle wave: the same on every machine.
-      values[c][f] = float(4.0 * std::abs(phase - std::floor(phase) - 0.5) - 1.0);
-    }
+/// Random signs of unit density: their sum over any surface has its area for variance. What is left of them
+/// at a cluster after so many sweeps is a random projection of where light that ends there came from.
+std::vector<RoomFunctions> random_signs(const RoomSearch& search) {
+  std::vector<RoomFunctions> values(search.areas.size());
+  for (std::size_t c = 0; c < values.size(); ++c) {
+    const float strength = 1.0f / std::sqrt(search.areas[c]);
+    for (std::size_t f = 0; f < kRoomFunctions; ++f)
+      values[c][f] = search.keys[c] >> f & 1u ? strength : -strength;
   }
+  return values;
 }
 
-/// The other functions: random signs, as strong as makes their means over rooms differ by kSignStrength or
-/// more (the mean of n signs is about 1 / sqrt(n)). They tell apart what lies in one place: a cavity around a
-/// room has the means of the room in every wave.
-void add_signs(const RoomSearch& search, std::vector<RoomFunctions>& values) {
-  const std::size_t count = values.size();
-  std::vector<double> sums(count, 0.0), squares(count, 0.0);
-  for (std::size_t c = 0; c < count; ++c) {
-    sums[search.sets[c]] += double(search.areas[c]);
-    squares[search.sets[c]] += double(search.areas[c]) * double(search.areas[c]);
-  }
-  for (std::size_t c = 0; c < count; ++c) {
-    const std::uint32_t set = search.sets[c];
-    const auto strength = float(kSignStrength * sums[set] / std::sqrt(squares[set]));
-    for (std::size_t f = 0; f < kSigns; ++f)
-      values[c][kWaves + f] = search.keys[c] >> f & 1u ? strength : -strength;
-  }
+float product(const RoomFunctions& a, const RoomFunctions& b) {
+  float sum = 0.0f;
+  for (std::size_t f = 0; f < kRoomFunctions; ++f) sum += a[f] * b[f];
+  return sum;
 }
 
-double difference(const RoomFunctions& a, const RoomFunctions& b) {
-  double sum = 0.0;
-  for (std::size_t f = 0; f < kRoomFunctions; ++f) sum += double(a[f] - b[f]) * double(a[f] - b[f]);
-  return std::sqrt(sum / kRoomFunctions);
+/// Where the light of each cluster came from, each of length 1, and the lengths that they had: the longer, the
+/// smaller is what a cluster shares its light with.
+struct Origins {
+  std::vector<RoomFunctions> directions;
+  std::vector<float> lengths;
+};
+
+Origins find_origins(const RoomSearch& search, const AverageOverView& average, int sweeps) {
+  Origins result{random_signs(search), {}};
+  std::vector<RoomFunctions> next(result.directions.size());
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    average(result.directions, next);
+    result.directions.swap(next);
+  }
+  for (RoomFunctions& values : result.directions) {
+    const float length = std::sqrt(product(values, values));
+    result.lengths.push_back(length);
+    if (length <= 0.0f) continue;
+    for (float& value : values) value /= length;
+  }
+  return result;
 }
 
 struct Leader {
@@ -68,45 +57,41 @@ struct Leader {
   double area = 0.0;  ///< of all that follow it
 };
 
-/// The leader whose functions are nearest among those of so much area; `leaders.size()` when there is none.
-std::size_t nearest(const std::vector<Leader>& leaders, const std::vector<RoomFunctions>& values,
-                    std::uint32_t cluster, double least_area) {
-  std::size_t best = leaders.size();
-  double distance = 0.0;
-  for (std::size_t l = 0; l < leaders.size(); ++l) {
-    if (leaders[l].area < least_area) continue;
-    const double d = difference(values[cluster], values[leaders[l].cluster]);
-    if (best == leaders.size() || d < distance) best = l, distance = d;
-  }
-  return best;
-}
-
-std::vector<RoomFunctions> relaxed_functions(const RoomSearch& search, const AverageOverView& average,
-                                             int sweeps) {
-  std::vector<RoomFunctions> values(search.areas.size());
-  add_waves(search.centroids, values);
-  add_signs(search, values);
-  std::vector<RoomFunctions> next(values.size());
-  for (int sweep = 0; sweep < sweeps; ++sweep) {
-    average(values, next);
-    values.swap(next);
-  }
-  return values;
-}
-
-/// Of each set: clusters that differ from one another, and the area of those that are like them.
-std::vector<std::vector<Leader>> find_leaders(const RoomSearch& search,
-                                              const std::vector<RoomFunctions>& values, double same) {
-  std::vector<std::vector<Leader>> leaders(values.size());
-  for (std::uint32_t c = 0; c < values.size(); ++c) {
+/// Clusters that differ from one another, per set, and the area of those that are like them. What keeps its
+/// light best leads first: what lies in a door is like both rooms.
+std::vector<std::vector<Leader>> find_leaders(const RoomSearch& search, const Origins& origins,
+                                              double alike) {
+  std::vector<std::uint32_t> order(search.areas.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](auto a, auto b) { return origins.lengths[a] > origins.lengths[b]; });
+  std::vector<std::vector<Leader>> leaders(order.size());
+  for (const std::uint32_t c : order) {
     auto& own = leaders[search.sets[c]];
     auto known = std::find_if(own.begin(), own.end(), [&](const Leader& l) {
-      return difference(values[c], values[l.cluster]) < same;
+      return double(product(origins.directions[c], origins.directions[l.cluster])) >= alike;
     });
     if (known == own.end()) known = own.insert(own.end(), {c, 0.0});
-    known->area += search.areas[c];
+    known->area += double(search.areas[c]);
   }
   return leaders;
+}
+
+/// Those of no more than a share of their set go, unless all would.
+void drop_small(std::vector<Leader>& leaders, double least_area) {
+  const auto small = [least_area](const Leader& l) { return l.area < least_area; };
+  if (!std::all_of(leaders.begin(), leaders.end(), small)) std::erase_if(leaders, small);
+}
+
+/// The leader that a cluster is most like, and how much.
+std::pair<std::uint32_t, double> most_alike(const std::vector<Leader>& leaders, const Origins& origins,
+                                            std::uint32_t cluster) {
+  std::pair<std::uint32_t, double> best{kNone, -2.0};
+  for (const Leader& leader : leaders) {
+    const double alike = double(product(origins.directions[cluster], origins.directions[leader.cluster]));
+    if (alike > best.second) best = {leader.cluster, alike};
+  }
+  return best;
 }
 
 /// Differs between the two sides of a sheet too, which have one centroid.
@@ -194,22 +179,18 @@ std::vector<std::uint32_t> joined_sets(const SenderMatrix& matrix) {
 
 Rooms find_rooms(const RoomSearch& search, const AverageOverView& average, const RoomScale& scale) {
   const std::size_t clusters = search.areas.size();
-  if (clusters == 0) return {};
-  const std::vector<RoomFunctions> values = relaxed_functions(search, average, scale.sweeps);
+  const Origins origins = find_origins(search, average, scale.sweeps);
   std::vector<double> set_areas(clusters, 0.0);
   for (std::size_t c = 0; c < clusters; ++c) set_areas[search.sets[c]] += double(search.areas[c]);
-  const std::vector<std::vector<Leader>> leaders = find_leaders(search, values, scale.same_room);
+  std::vector<std::vector<Leader>> leaders = find_leaders(search, origins, scale.alike);
+  for (std::size_t set = 0; set < clusters; ++set)
+    drop_small(leaders[set], scale.least_share * set_areas[set]);
   std::vector<std::uint32_t> room_of_leader(clusters, kNone);
-  Rooms rooms{std::vector<std::uint32_t>(clusters), 0};
+  Rooms rooms{std::vector<std::uint32_t>(clusters, kNone), 0};
   for (std::uint32_t c = 0; c < clusters; ++c) {
-    const auto& own = leaders[search.sets[c]];
-    std::size_t leader = nearest(own, values, c, scale.least_share * set_areas[search.sets[c]]);
-    if (leader == own.size()) leader = nearest(own, values, c, 0.0);
-    if (difference(values[c], values[own[leader].cluster]) > scale.largest_difference) {
-      rooms.of_cluster[c] = kNone;
-      continue;
-    }
-    std::uint32_t& room = room_of_leader[own[leader].cluster];
+    const auto [leader, alike] = most_alike(leaders[search.sets[c]], origins, c);
+    if (alike < scale.barely_alike) continue;
+    std::uint32_t& room = room_of_leader[leader];
     if (room == kNone) room = rooms.count++;
     rooms.of_cluster[c] = room;
   }
@@ -235,7 +216,7 @@ Rooms largest_rooms(const Rooms& rooms, const std::vector<double>& areas, std::u
 
 Rooms find_rooms(const SenderMatrix& bounce_matrix, const std::vector<glm::vec3>& centroids,
                  const std::vector<float>& areas, const RoomScale& scale) {
-  RoomSearch search{centroids, areas, joined_sets(bounce_matrix), {}};
+  RoomSearch search{areas, joined_sets(bounce_matrix), {}};
   const CsrMatrix& rows = bounce_matrix.rows;
   for (std::uint32_t row = 0; row < rows.rows; ++row) {
     const std::uint64_t first = rows.row_offsets[row];

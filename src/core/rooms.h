@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// Rooms: groups of clusters that exchange most of their light among themselves. Clusters that no chain of
-// form factors joins are in different rooms, and so are those between which little passes: smooth functions
-// of the place, and random ones, averaged over what each cluster sees a few times over, become constant
-// inside a room long before they do across a door (after the relaxed test vectors of A. Brandt, O. Livne,
-// Lean Algebraic Multigrid, 2012).
+// Rooms: groups of clusters that exchange most of their light among themselves. Two clusters are in one room
+// if light that ends at them came from the same places: that of a room has been all over it after a few
+// bounces, and only little of it went through a door. How alike clusters are is the correlation of where
+// light was some bounces ago; 32 random functions, averaged as often over what each cluster sees, estimate it
+// (diffusion distance: R. Coifman, S. Lafon, Diffusion Maps, 2006; relaxed random vectors: A. Brandt,
+// O. Livne, Lean Algebraic Multigrid, 2012). It does not depend on how large or how furnished the rest of the
+// scene is.
 #pragma once
 
 #include <array>
@@ -26,15 +28,16 @@ struct Rooms {
 
 /// How loosely clusters may be coupled and still be one room.
 struct RoomScale {
-  /// Inside a room differences shrink to about 0.6 at each sweep, across a door to 0.96.
+  /// Bounces. Inside a room differences shrink to about 0.6 at each, across a door to 0.96.
   int sweeps = 16;
-  /// Root mean square difference to the first cluster of a room. Of 0.12 to 0.5, this one gave furnished
-  /// scenes the least error at a given budget of the cut.
-  double same_room = 0.3;
-  /// A room of less than this share of what it is joined to is part of one of its neighbours.
+  /// Least correlation to the first cluster of a room. Two rooms of one size through whose door a share e of
+  /// their light passes have (1 - x) / (1 + x), x = (1 - 2e) to the power of twice the sweeps: they are two
+  /// up to 3 %.
+  double alike = 0.8;
+  /// A room of less than this share of what it is joined to is part of the one that it is most like.
   double least_share = 0.02;
-  /// Unless it differs from all of them by more than this: then its clusters are in no room.
-  double largest_difference = std::numeric_limits<double>::infinity();
+  /// Clusters that are less like any room are in none.
+  double barely_alike = -std::numeric_limits<double>::infinity();
 };
 
 /// `centroids` and `areas` (m2, above 0) per cluster.
@@ -52,12 +55,11 @@ using RoomFunctions = std::array<float, kRoomFunctions>;
 
 /// What finding rooms needs to know of the clusters, from whichever form the rows are in.
 struct RoomSearch {
-  std::vector<glm::vec3> centroids;
   std::vector<float> areas;  ///< m2
   std::vector<std::uint32_t>
       sets;  ///< equal where a chain of form factors joins clusters: the lowest of their numbers
   std::vector<std::uint64_t>
-      keys;  ///< differ between clusters that share a centroid; the same whatever else is in the scene
+      keys;  ///< signs by chance: of each cluster others, the same whatever else is in the scene
 };
 
 /// Sets `means` of each cluster to the mean of `values` over the clusters that it sees, weighted by form
