@@ -11,39 +11,49 @@
 namespace relume {
 namespace {
 
+/// So many times kRoomFunctions: estimates of correlations are off by (1 - their square) / 8.
+constexpr std::size_t kDraws = 2;
+using Origin = std::array<float, kDraws * kRoomFunctions>;
+
 /// Random signs of unit density: their sum over any surface has its area for variance. What is left of them
 /// at a cluster after so many sweeps is a random projection of where light that ends there came from.
-std::vector<RoomFunctions> random_signs(const RoomSearch& search) {
+std::vector<RoomFunctions> random_signs(const RoomSearch& search, std::size_t draw) {
   std::vector<RoomFunctions> values(search.areas.size());
   for (std::size_t c = 0; c < values.size(); ++c) {
     const float strength = 1.0f / std::sqrt(search.areas[c]);
-    for (std::size_t f = 0; f < kRoomFunctions; ++f)
-      values[c][f] = search.keys[c] >> f & 1u ? strength : -strength;
+    const std::uint64_t bits = search.keys[c] >> draw * kRoomFunctions;
+    for (std::size_t f = 0; f < kRoomFunctions; ++f) values[c][f] = bits >> f & 1u ? strength : -strength;
   }
   return values;
 }
 
-float product(const RoomFunctions& a, const RoomFunctions& b) {
+float product(const Origin& a, const Origin& b) {
   float sum = 0.0f;
-  for (std::size_t f = 0; f < kRoomFunctions; ++f) sum += a[f] * b[f];
+  for (std::size_t f = 0; f < a.size(); ++f) sum += a[f] * b[f];
   return sum;
 }
 
 /// Where the light of each cluster came from, each of length 1, and the lengths that they had: the longer, the
 /// smaller is what a cluster shares its light with.
 struct Origins {
-  std::vector<RoomFunctions> directions;
+  std::vector<Origin> directions;
   std::vector<float> lengths;
 };
 
 Origins find_origins(const RoomSearch& search, const AverageOverView& average, int sweeps) {
-  Origins result{random_signs(search), {}};
-  std::vector<RoomFunctions> next(result.directions.size());
-  for (int sweep = 0; sweep < sweeps; ++sweep) {
-    average(result.directions, next);
-    result.directions.swap(next);
+  const std::size_t clusters = search.areas.size();
+  Origins result{std::vector<Origin>(clusters), {}};
+  std::vector<RoomFunctions> next(clusters);
+  for (std::size_t draw = 0; draw < kDraws; ++draw) {
+    std::vector<RoomFunctions> values = random_signs(search, draw);
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+      average(values, next);
+      values.swap(next);
+    }
+    for (std::size_t c = 0; c < clusters; ++c)
+      std::copy(values[c].begin(), values[c].end(), result.directions[c].begin() + draw * kRoomFunctions);
   }
-  for (RoomFunctions& values : result.directions) {
+  for (Origin& values : result.directions) {
     const float length = std::sqrt(product(values, values));
     result.lengths.push_back(length);
     if (length <= 0.0f) continue;

@@ -3,7 +3,7 @@
 // Rooms: groups of clusters that exchange most of their light among themselves. Two clusters are in one room
 // if light that ends at them came from the same places: that of a room has been all over it after a few
 // bounces, and only little of it went through a door. How alike clusters are is the correlation of where
-// light was some bounces ago; 32 random functions, averaged as often over what each cluster sees, estimate it
+// light was some bounces ago; 64 random functions, averaged as often over what each cluster sees, estimate it
 // (diffusion distance: R. Coifman, S. Lafon, Diffusion Maps, 2006; relaxed random vectors: A. Brandt,
 // O. Livne, Lean Algebraic Multigrid, 2012). It does not depend on how large or how furnished the rest of the
 // scene is.
@@ -29,11 +29,11 @@ struct Rooms {
 /// How loosely clusters may be coupled and still be one room.
 struct RoomScale {
   /// Bounces. Inside a room differences shrink to about 0.6 at each, across a door to 0.96.
-  int sweeps = 16;
+  int sweeps = 20;
   /// Least correlation to the first cluster of a room. Two rooms of one size through whose door a share e of
   /// their light passes have (1 - x) / (1 + x), x = (1 - 2e) to the power of twice the sweeps: they are two
-  /// up to 3 %.
-  double alike = 0.8;
+  /// up to e = 2.6 %, and one that is smaller than the other up to more.
+  double alike = 0.78;
   /// A room of less than this share of what it is joined to is part of the one that it is most like.
   double least_share = 0.02;
   /// Clusters that are less like any room are in none.
