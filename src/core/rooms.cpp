@@ -40,6 +40,13 @@ struct Origins {
   std::vector<float> lengths;
 };
 
+float normalise(Origin& values) {
+  const float length = std::sqrt(product(values, values));
+  if (length <= 0.0f) return 0.0f;
+  for (float& value : values) value /= length;
+  return length;
+}
+
 Origins find_origins(const RoomSearch& search, const AverageOverView& average, int sweeps) {
   const std::size_t clusters = search.areas.size();
   Origins result{std::vector<Origin>(clusters), {}};
@@ -51,15 +58,34 @@ Origins find_origins(const RoomSearch& search, const AverageOverView& average, i
       values.swap(next);
     }
     for (std::size_t c = 0; c < clusters; ++c)
-      std::copy(values[c].begin(), values[c].end(), result.directions[c].begin() + draw * kRoomFunctions);
+      std::copy(values[c].begin(), values[c].end(), &result.directions[c][draw * kRoomFunctions]);
   }
-  for (Origin& values : result.directions) {
-    const float length = std::sqrt(product(values, values));
-    result.lengths.push_back(length);
-    if (length <= 0.0f) continue;
-    for (float& value : values) value /= length;
-  }
+  for (Origin& values : result.directions) result.lengths.push_back(normalise(values));
   return result;
+}
+
+/// Gives clusters that are like no room the mean of what they see, as the light of those that are comes to
+/// them.
+void adopt(const std::vector<bool>& like_a_room, const AverageOverView& average, Origins& origins) {
+  constexpr int kSweeps = 8;
+  const std::size_t clusters = like_a_room.size();
+  std::vector<RoomFunctions> values(clusters), next(clusters);
+  for (std::size_t draw = 0; draw < kDraws; ++draw) {
+    for (std::size_t c = 0; c < clusters; ++c) {
+      values[c] = {};
+      const float* own = &origins.directions[c][draw * kRoomFunctions];
+      if (like_a_room[c]) std::copy(own, own + kRoomFunctions, values[c].begin());
+    }
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      average(values, next);
+      for (std::size_t c = 0; c < clusters; ++c) {
+        if (!like_a_room[c]) values[c] = next[c];
+      }
+    }
+    for (std::size_t c = 0; c < clusters; ++c)
+      std::copy(values[c].begin(), values[c].end(), &origins.directions[c][draw * kRoomFunctions]);
+  }
+  for (Origin& direction : origins.directions) normalise(direction);
 }
 
 struct Leader {
@@ -189,18 +215,25 @@ std::vector<std::uint32_t> joined_sets(const SenderMatrix& matrix) {
 
 Rooms find_rooms(const RoomSearch& search, const AverageOverView& average, const RoomScale& scale) {
   const std::size_t clusters = search.areas.size();
-  const Origins origins = find_origins(search, average, scale.sweeps);
+  Origins origins = find_origins(search, average, scale.sweeps);
   std::vector<double> set_areas(clusters, 0.0);
   for (std::size_t c = 0; c < clusters; ++c) set_areas[search.sets[c]] += double(search.areas[c]);
   std::vector<std::vector<Leader>> leaders = find_leaders(search, origins, scale.alike);
   for (std::size_t set = 0; set < clusters; ++set)
     drop_small(leaders[set], scale.least_share * set_areas[set]);
-  std::vector<std::uint32_t> room_of_leader(clusters, kNone);
-  Rooms rooms{std::vector<std::uint32_t>(clusters, kNone), 0};
+  std::vector<std::uint32_t> leader(clusters);
+  std::vector<bool> like_a_room(clusters);
   for (std::uint32_t c = 0; c < clusters; ++c) {
-    const auto [leader, alike] = most_alike(leaders[search.sets[c]], origins, c);
-    if (alike < scale.barely_alike) continue;
-    std::uint32_t& room = room_of_leader[leader];
+    const auto [most, alike] = most_alike(leaders[search.sets[c]], origins, c);
+    leader[c] = most, like_a_room[c] = alike >= scale.barely_alike;
+  }
+  if (scale.adopts) adopt(like_a_room, average, origins);
+  Rooms rooms{std::vector<std::uint32_t>(clusters, kNone), 0};
+  std::vector<std::uint32_t> room_of_leader(clusters, kNone);
+  for (std::uint32_t c = 0; c < clusters; ++c) {
+    if (!like_a_room[c] && !scale.adopts) continue;
+    if (!like_a_room[c]) leader[c] = most_alike(leaders[search.sets[c]], origins, c).first;
+    std::uint32_t& room = room_of_leader[leader[c]];
     if (room == kNone) room = rooms.count++;
     rooms.of_cluster[c] = room;
   }

@@ -13,7 +13,6 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
-#include <limits>
 #include <vector>
 
 #include "core/reference_solver.h"
@@ -34,10 +33,12 @@ struct RoomScale {
   /// their light passes have (1 - x) / (1 + x), x = (1 - 2e) to the power of twice the sweeps: they are two
   /// up to e = 2.6 %, and one that is smaller than the other up to more.
   double alike = 0.78;
-  /// A room of less than this share of what it is joined to is part of the one that it is most like.
+  /// Less than this share of what it is joined to is no room.
   double least_share = 0.02;
-  /// Clusters that are less like any room are in none.
-  double barely_alike = -std::numeric_limits<double>::infinity();
+  /// Clusters that are less like any room
+  double barely_alike = 0.5;
+  /// are part of the one that their light comes from, or else of none.
+  bool adopts = true;
 };
 
 /// `centroids` and `areas` (m2, above 0) per cluster.

@@ -53,7 +53,7 @@ void add_correction(const Rooms& rooms, const std::vector<Rgb>& albedo, const st
 /// Rooms that suit the correction. A cavity that sees little of the room around it must not get the light of
 /// that room: it would keep it for as many bounces as the room does. So small rooms stand alone, and what is
 /// like no room is in none (then it is left to the bounces). Of these, the largest.
-inline constexpr RoomScale kCorrectionScale{10, 0.9, 0.0002, 0.8};
+inline constexpr RoomScale kCorrectionScale{10, 0.9, 0.0002, 0.8, false};
 inline constexpr std::uint32_t kMaxCorrectionRooms = 256;
 Rooms correction_rooms(const Model& model, const SenderMatrix& bounce_matrix);
 
