@@ -136,8 +136,9 @@ void follow_target(const Surfaces& surfaces, const PrecomputeOptions& options, c
   plan.lumels.area = plan.sensors.area = surfaces.geometry.area / double(elements);
   const std::vector<PilotRows> pilot = trace_pilot(prepared.rows, surfaces.charts, surfaces.systems,
                                                    *prepared.probing, plan.lumels.area, counts);
+  const double share = options.bounds ? kCutShareForBounds : kCutShare;
   const double node_error =
-      find_node_error(pilot, prepared.senders.tree, *prepared.probing, kCutShare * options.error);
+      find_node_error(pilot, prepared.senders.tree, *prepared.probing, share * options.error);
   for (CutLimits& cut : plan.node_cuts) cut.node_error = node_error;
   plan.sensor_cut.node_error = node_error;
   if (!plan.adaptive) return;

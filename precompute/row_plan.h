@@ -9,8 +9,11 @@
 
 namespace relume {
 
-/// Causes are independent, so that their squares add up; each gets this share of the target.
-inline constexpr double kClusterShare = 0.5, kRayShare = 0.3, kCutShare = 0.25;
+/// Causes are independent, so that their squares add up; each gets this share of the target. Together they
+/// leave a quarter of it to lights that probing does not foresee.
+inline constexpr double kClusterShare = 0.5, kRayShare = 0.3, kCutShare = 0.35;
+/// That of the cut where bounds are to be narrow.
+inline constexpr double kCutShareForBounds = 0.25;
 
 struct RowPlan {
   bool cut = false;  ///< needs a survey
