@@ -26,6 +26,10 @@ constexpr float kLeastAlbedo = 0.2f, kMostAlbedo = 0.8f;
 constexpr float kTexture = 0.2f;
 /// Shares of the surface of a room: square of the distance that lamps keep, and area of what glows, at least.
 constexpr float kLampStandOff = 1e-3f, kLeastPatch = 2e-3f;
+/// Places tried for a lamp and for a spot light, which would light next to nothing from near.
+constexpr int kLampTries = 4, kSpotTries = 8;
+/// Half the angle of the cone of a spot light, at least and at most; it is as bright as can be to half of that.
+constexpr float kNarrowCone = 0.4f, kWideCone = 0.7f;
 /// By how much light may differ across a room, in waves from about as long as the room is to so many times
 /// shorter: other lights shine in other places.
 constexpr float kWave = 0.5f, kShortestWave = 12.0f;
@@ -124,8 +128,12 @@ class Prober {
  private:
   void light();
   void light_room(std::uint32_t room, std::size_t probing);
-  glm::vec3 free_place(const ProbedRoom& room, Dice& dice) const;
+  glm::vec3 free_place(const ProbedRoom& room, Dice& dice, int tries) const;
   void point_light(const ProbedRoom& room, Dice& dice, std::size_t probing);
+  void spot_light(const ProbedRoom& room, Dice& dice, std::size_t probing);
+  /// `intensity(direction)`: to a surface.
+  template <class Intensity>
+  void shine(const ProbedRoom& room, const glm::vec3& position, std::size_t probing, Intensity&& intensity);
   void glowing_patch(const ProbedRoom& room, Dice& dice, std::size_t probing);
   /// Those of one material, by turns; false when there are none.
   bool emitters_of_room(std::uint32_t room, float strength, std::size_t probing);
@@ -176,17 +184,18 @@ void Prober::light_room(std::uint32_t index, std::size_t probing) {
     return;
   } else if (kind > 0.9f) {
     glowing_patch(room, dice, probing);
+  } else if (kind > 0.65f) {
+    spot_light(room, dice, probing);
   } else {
     point_light(room, dice, probing);
   }
 }
 
-/// Where a lamp may hang: of a few places the one that is farthest from all surfaces.
-glm::vec3 Prober::free_place(const ProbedRoom& room, Dice& dice) const {
-  constexpr int kTries = 4;
+/// Where a lamp may hang: of some places the one that is farthest from all surfaces.
+glm::vec3 Prober::free_place(const ProbedRoom& room, Dice& dice, int tries) const {
   glm::vec3 best(0.0f);
   float radius = -1.0f;
-  for (int attempt = 0; attempt < kTries; ++attempt) {
+  for (int attempt = 0; attempt < tries; ++attempt) {
     const SurfacePoint& under = clusters_[room.choose(dice.next())].at;
     const glm::vec3 start = under.position + scene_.geometry.offset * under.normal;
     RayPacket up{};
@@ -204,18 +213,39 @@ glm::vec3 Prober::free_place(const ProbedRoom& room, Dice& dice) const {
   return best;
 }
 
-void Prober::point_light(const ProbedRoom& room, Dice& dice, std::size_t probing) {
-  const glm::vec3 position = free_place(room, dice);
-  // As much flux as would give the room one lux.
-  const float intensity = room.area() / float(4.0 * kPi);
+template <class Intensity>
+void Prober::shine(const ProbedRoom& room, const glm::vec3& position, std::size_t probing,
+                   Intensity&& intensity) {
   tbb::parallel_for(std::size_t{0}, clusters_.size(), [&](std::size_t c) {
     const SurfacePoint& at = clusters_[c].at;
     const glm::vec3 to = position - at.position;
     const float squared = glm::dot(to, to), cosine = glm::dot(to, at.normal);
     if (cosine <= 0.0f || squared <= 0.0f) return;
+    const float distance = std::sqrt(squared), candela = intensity(to / -distance);
+    if (candela <= 0.0f) return;
     if (scene_.caster.occluded(at.position + scene_.geometry.offset * at.normal, position)) return;
-    const float distance = std::sqrt(squared);
-    arriving_[c][probing] += intensity * (cosine / distance) / std::max(squared, kLampStandOff * room.area());
+    arriving_[c][probing] += candela * (cosine / distance) / std::max(squared, kLampStandOff * room.area());
+  });
+}
+
+void Prober::point_light(const ProbedRoom& room, Dice& dice, std::size_t probing) {
+  // As much flux as would give the room one lux.
+  const float candela = room.area() / float(4.0 * kPi);
+  shine(room, free_place(room, dice, kLampTries), probing, [candela](const glm::vec3&) { return candela; });
+}
+
+/// At any surface of the room.
+void Prober::spot_light(const ProbedRoom& room, Dice& dice, std::size_t probing) {
+  const glm::vec3 position = free_place(room, dice, kSpotTries);
+  const glm::vec3 way = clusters_[room.choose(dice.next())].at.position - position;
+  const float angle = kNarrowCone + (kWideCone - kNarrowCone) * dice.next();
+  if (glm::length(way) <= 0.0f) return;
+  const glm::vec3 axis = glm::normalize(way);
+  const float outer = std::cos(angle), inner = std::cos(0.5f * angle);
+  const float candela = room.area() / (float(2.0 * kPi) * (1.0f - 0.5f * (inner + outer)));
+  shine(room, position, probing, [=](const glm::vec3& direction) {
+    const float share = std::clamp((glm::dot(direction, axis) - outer) / (inner - outer), 0.0f, 1.0f);
+    return candela * share * share;
   });
 }
 

@@ -58,7 +58,7 @@ struct ProbedScene {
   std::uint64_t seed = 0;
 };
 
-/// Each room (`rooms` per cluster) is lit by turns by point lights in its free space, by its possible
+/// Each room (`rooms` per cluster) is lit by turns by point and spot lights in its free space, by its possible
 /// emitters, by patches of its surface, by the sky and by its neighbours only; materials take albedos by
 /// chance. `rows`: per cluster, of few rays; errors are products of what both halves find, so that noise
 /// cancels. In the calling task arena; the same for any number of threads.
