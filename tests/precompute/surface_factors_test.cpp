@@ -43,7 +43,7 @@ Scene unit_cube() {
 }
 
 TEST(SurfaceFactors, OfAUnitCube) {
-  const SurfaceFactors factors = measure(unit_cube(), 1u << 20);
+  const SurfaceFactors factors = measure(unit_cube(), 1u << 22);
   ASSERT_EQ(factors.surfaces.size(), 6u);
   EXPECT_EQ(factors.surfaces[0], "cube/-x");
   for (std::size_t i = 0; i < 6; ++i) {
