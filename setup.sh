@@ -3,7 +3,7 @@
 #
 # ./setup.sh demo   installs what is missing, builds, and relights a room: pictures, tables, GPU against reference
 # ./setup.sh day    the same room from morning to night, in frames recorded on the device
-# ./setup.sh test   installs what is missing, builds, and runs all tests
+# ./setup.sh test   installs what is missing, builds, and runs all tests; what follows the word are options of cmake
 #
 # Debian 12. Packages come from apt as root or with sudo; where that cannot be, the missing ones are printed and the exit status is 2.
 # Everything lands in build/release and demo; a second run rebuilds only what changed.
@@ -45,11 +45,12 @@ install_packages() {
 # build TARGET...
 build() {
   mkdir -p build
-  cmake --preset release >build/configure.log 2>&1 || { cat build/configure.log >&2; exit 1; }
+  cmake --preset release "${cmake_options[@]}" >build/configure.log 2>&1 || { cat build/configure.log >&2; exit 1; }
   cmake --build --preset release --target "$@"
 }
 
 relume=build/release/src/tool/relume
+cmake_options=("${@:2}")
 
 make_room() {
   mkdir -p demo

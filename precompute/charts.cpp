@@ -55,10 +55,6 @@ UvFacts uv_facts(const Scene& scene, const Geometry& geometry, TriangleRange ran
   return facts;
 }
 
-double cross(const glm::dvec2& a, const glm::dvec2& b) {
-  return a.x * b.y - a.y * b.x;
-}
-
 bool strictly_inside(const std::array<glm::vec2, 3>& corners, const glm::dvec2& p) {
   const glm::dvec2 a(corners[0]), b(corners[1]), c(corners[2]);
   const double area = cross(b - a, c - a);

@@ -16,6 +16,11 @@
 
 namespace relume {
 
+/// Twice the area of the triangle (0, a, b), positive when that is counter-clockwise.
+inline double cross(const glm::dvec2& a, const glm::dvec2& b) {
+  return a.x * b.y - a.y * b.x;
+}
+
 struct Chart {
   std::uint32_t node = 0;
   Side side = Side::front;

@@ -13,7 +13,6 @@ namespace relume {
 namespace {
 
 constexpr std::uint32_t kFewestSystemLumels = 64, kMostSystemLumels = 1u << 24;
-constexpr std::uint32_t kMaxQuality = 1u << 20;
 
 /// Which root each sender stands under.
 std::vector<std::uint32_t> roots_of(const ClusterTree& tree, std::size_t senders) {

@@ -16,7 +16,7 @@ namespace relume {
 namespace {
 
 /// A cluster below this share of cluster_size squared looks for a neighbour to join.
-constexpr double kSmallShare = 0.25;
+constexpr double kSmallGroup = 0.25;
 
 /// A union may be this many cluster sizes across.
 constexpr float kMaxExtent = 1.5f;
@@ -198,7 +198,7 @@ bool may_join(const Group& small, const Group& other, float cluster_size) {
 void absorb_small(const Geometry& geometry, const RayCaster& caster, const SystemSurface& surface,
                   const std::vector<float>& limits, std::vector<Group>& groups, DisjointSets& sets) {
   const auto is_small = [&](const Group& group) {
-    return group.area < kSmallShare * double(limits[group.element]) * double(limits[group.element]);
+    return group.area < kSmallGroup * double(limits[group.element]) * double(limits[group.element]);
   };
   double cell = 0.0;
   for (const float limit : limits) cell = std::max(cell, double(limit));

@@ -151,14 +151,11 @@ void recognise_cells(const std::vector<Piece>& pieces, const KnownCells& known, 
   });
 }
 
-/// Segments between neighbours are lifted by up to this share of their length (mutual_visibility.h).
-constexpr float kReach = 1.6f;
-
 /// Whether two cells saw each other before, and nothing changed there.
 bool still_visible(const Cells& cells, const KnownCells* known, std::size_t a, std::size_t b) {
   if (known == nullptr || cells.known[a] == 0 || cells.known[b] == 0) return false;
   const float distance = glm::length(cells.whole[b].position - cells.whole[a].position);
-  return !known->disturbed(cells.whole[a].position, kReach * distance);
+  return !known->disturbed(cells.whole[a].position, kLiftReach * distance);
 }
 
 /// Cells between which something stands are walled and will be split.

@@ -23,10 +23,10 @@ struct Release {
   void operator()(RTCBVH bvh) const { rtcReleaseBVH(bvh); }
 };
 
-struct Box {
+struct BvhBox {
   glm::vec3 lower{std::numeric_limits<float>::infinity()};
   glm::vec3 upper{-std::numeric_limits<float>::infinity()};
-  void add(const Box& box) { lower = glm::min(lower, box.lower), upper = glm::max(upper, box.upper); }
+  void add(const BvhBox& box) { lower = glm::min(lower, box.lower), upper = glm::max(upper, box.upper); }
 };
 
 /// A node or a leaf as Embree's builder asks for it, in memory of its own.
@@ -35,7 +35,7 @@ struct BuiltNode {
   std::array<std::uint32_t, kBvhLeafSize> triangles{};
   std::uint32_t triangle_count = 0;  ///< 0: not a leaf
   std::uint32_t lowest = 0;          ///< triangle
-  Box box;
+  BvhBox box;
 };
 
 void* create_node(RTCThreadLocalAllocator allocator, unsigned, void*) {
@@ -95,7 +95,7 @@ class AxisSteps {
 /// Writes the tree in depth-first order.
 class Flattening {
  public:
-  Flattening(std::span<const Box> boxes, float margin) : boxes_(boxes), margin_(margin) {}
+  Flattening(std::span<const BvhBox> boxes, float margin) : boxes_(boxes), margin_(margin) {}
 
   OccluderBvh run(BuiltNode& root) {
     prepare(root);
@@ -149,7 +149,7 @@ class Flattening {
 
   void store_boxes(const std::array<BuiltNode*, kBvhWidth>& children, std::uint32_t index) {
     BvhNode& node = bvh_.nodes[index];
-    Box whole;
+    BvhBox whole;
     for (const BuiltNode* child : children) {
       if (child != nullptr) whole.add(child->box);
     }
@@ -167,7 +167,7 @@ class Flattening {
     }
   }
 
-  std::span<const Box> boxes_;
+  std::span<const BvhBox> boxes_;
   float margin_;
   OccluderBvh bvh_;
 };
@@ -209,7 +209,7 @@ Result<OccluderBvh> build_occluder_bvh(std::span<const glm::vec3> positions,
                                        const Opacity& opacity) {
   const std::vector<std::uint32_t> chosen = light_stoppers(positions, triangles, opacity);
   if (chosen.empty()) return OccluderBvh{};
-  std::vector<Box> boxes(triangles.size());
+  std::vector<BvhBox> boxes(triangles.size());
   std::vector<RTCBuildPrimitive> primitives;
   for (const std::uint32_t t : chosen) {
     for (const std::uint32_t corner : triangles[t]) boxes[t].add({positions[corner], positions[corner]});

@@ -42,6 +42,9 @@ Emitters find_emitters(const Geometry& geometry, const std::vector<Chart>& chart
 /// Clusters have new numbers: `numbers` per old one.
 void renumber(const std::vector<std::uint32_t>& numbers, Emitters& emitters);
 
+/// Area samples go with every so many rays of a receiver, up to so many.
+inline constexpr std::uint32_t kRaysPerAreaSample = 16, kMaxAreaSamples = 4096;
+
 /// How often area samples go to each emitter: in proportion to an upper estimate of its unoccluded form
 /// factor.
 struct EmitterChoice {

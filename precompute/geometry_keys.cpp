@@ -13,18 +13,18 @@ namespace relume {
 namespace {
 
 /// Numbers mixed one after the other.
-class Key {
+class KeyMaker {
  public:
-  explicit Key(std::uint64_t start = 0) : value_(start) {}
-  Key& add(std::uint64_t number) {
+  explicit KeyMaker(std::uint64_t start = 0) : value_(start) {}
+  KeyMaker& add(std::uint64_t number) {
     value_ = mix(value_, number);
     return *this;
   }
-  Key& add(float a, float b) {
+  KeyMaker& add(float a, float b) {
     return add(std::uint64_t{std::bit_cast<std::uint32_t>(a)} << 32 | std::bit_cast<std::uint32_t>(b));
   }
-  Key& add(const glm::vec2& v) { return add(v.x, v.y); }
-  Key& add(const glm::vec3& v) { return add(v.x, v.y).add(v.z, 0.0f); }
+  KeyMaker& add(const glm::vec2& v) { return add(v.x, v.y); }
+  KeyMaker& add(const glm::vec3& v) { return add(v.x, v.y).add(v.z, 0.0f); }
   /// 0 is nobody's.
   std::uint64_t value() const { return value_ == 0 ? 1 : value_; }
 
@@ -35,7 +35,7 @@ class Key {
 std::vector<std::uint64_t> map_keys(const Opacity& opacity) {
   std::vector<std::uint64_t> keys;
   for (const OpacityMap& map : opacity.maps) {
-    Key key(std::uint64_t(map.rule));
+    KeyMaker key(std::uint64_t(map.rule));
     key.add(map.cutoff, map.solid).add(std::uint64_t{map.width} << 32 | map.height);
     key.add(std::uint64_t(map.wrap_s) << 32 | std::uint64_t(map.wrap_t));
     for (std::size_t i = 0; i < std::size_t{map.width} * map.height; ++i)
@@ -47,7 +47,7 @@ std::vector<std::uint64_t> map_keys(const Opacity& opacity) {
 
 std::uint64_t chart_key(const Geometry& geometry, const std::vector<std::uint64_t>& triangles,
                         const Chart& chart) {
-  Key key(std::uint64_t(chart.side));
+  KeyMaker key(std::uint64_t(chart.side));
   key.add(std::uint64_t{chart.width} << 32 | chart.height);
   std::vector<std::uint32_t> materials;  // what counts is which triangles share one
   for (std::size_t i = 0; i < chart.triangles.size(); ++i) {
@@ -76,12 +76,12 @@ std::vector<std::uint64_t> triangle_keys(const Geometry& geometry) {
   const std::vector<std::uint64_t> maps = map_keys(opacity);
   std::vector<std::uint64_t> keys(geometry.triangles.size());
   for (std::size_t t = 0; t < keys.size(); ++t) {
-    Key key(geometry.double_sided[geometry.material[t]] ? 2 : 1);
+    KeyMaker key(geometry.double_sided[geometry.material[t]] ? 2 : 1);
     for (const auto corner : geometry.triangles[t]) key.add(geometry.positions[corner]);
     keys[t] = key.add(geometry.normals[t]).value();
   }
   for (const OpacityTriangle& listed : opacity.triangles) {
-    Key key(keys[listed.triangle]);
+    KeyMaker key(keys[listed.triangle]);
     key.add(maps[listed.map]);
     for (const glm::vec3& corner : listed.corners) key.add(corner);
     keys[listed.triangle] = key.value();
@@ -103,7 +103,7 @@ std::uint64_t ElementNamer::key(std::uint32_t width, const Element& element, std
                                 std::uint32_t number, std::uint32_t count) const {
   const glm::uvec2& position = positions_[element.chart];
   const std::uint32_t x = element.cell % width - position.x, y = element.cell / width - position.y;
-  Key key(charts_[element.chart]);
+  KeyMaker key(charts_[element.chart]);
   key.add(std::uint64_t{x} << 32 | y).add(std::uint64_t{number} << 32 | count);
   key.add((element.walled ? 1u : 0u) + (element.split ? 2u : 0u));
   for (const Piece& piece : pieces) {
@@ -133,7 +133,7 @@ std::vector<std::uint64_t> element_keys(const ElementNamer& namer,
 }
 
 std::uint64_t emitters_key(const Emitters& emitters) {
-  Key key(emitters.list.size());
+  KeyMaker key(emitters.list.size());
   for (const Emitter& emitter : emitters.list) {
     key.add(std::bit_cast<std::uint64_t>(emitter.area)).add(emitter.centroid).add(emitter.normal);
     key.add(emitter.radius, 0.0f);

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "precompute/mutual_visibility.h"
+#include "precompute/packet_lanes.h"
 #include "precompute/unchanged_elements.h"
 
 namespace relume {
@@ -18,12 +20,6 @@ constexpr unsigned kFirstBits = 16;
 constexpr std::size_t kCacheLine = 64;
 
 constexpr float kFar = std::numeric_limits<float>::max();
-
-void choose_lanes(std::uint32_t lanes, RayPacket& packet) {
-  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
-    if ((lanes >> lane & 1u) == 0) packet.far[lane] = -1.0f;
-  }
-}
 
 }  // namespace
 
@@ -169,11 +165,10 @@ SampleState KeptRays::sample(const OldRays& rays, std::uint32_t sample) const {
 
 bool KeptRays::was_whole(std::uint32_t element) const {
   if (element >= old_elements_.size() || old_elements_[element] == kNone) return false;
-  // Between its middle and its patches, lifted (mutual_visibility.h).
-  constexpr float kReach = 1.6f;
+  // Between its middle and its patches, lifted.
   const Ball& ball = balls_[element];
   return old_.whole_elements[old_elements_[element]] != 0 &&
-         !change_.disturbed(ball.middle, kReach * ball.radius);
+         !change_.disturbed(ball.middle, kLiftReach * ball.radius);
 }
 
 bool KeptRays::stands_clear(const glm::vec3& from, float reach, const Ball& ball) const {

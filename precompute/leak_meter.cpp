@@ -37,7 +37,7 @@ std::vector<WeightPart> clusters_of(const LeafNumbers& numbers, const SenderRef&
 }
 
 /// What all rows share.
-struct Surroundings {
+struct LeakScene {
   const Model& model;
   const RayCaster& caster;
   PointSpreader spreader;
@@ -45,7 +45,7 @@ struct Surroundings {
   std::vector<LeakPoints> points;            ///< per cluster of all systems
   float far = 0.0f;                          ///< m, beyond everything
 
-  Surroundings(const Model& m, const RayCaster& c)
+  LeakScene(const Model& m, const RayCaster& c)
       : model(m), caster(c), spreader(m, c), first_cluster(cluster_offsets(m)), points(first_cluster.back()) {
     for (std::size_t s = 0; s < model.systems.size(); ++s) {
       const System& system = model.systems[s];
@@ -80,7 +80,7 @@ struct WorstSender {
 /// Rows of one matrix while they are measured.
 class MatrixLeaks {
  public:
-  MatrixLeaks(const Surroundings& around, const System& system, const BlockMatrix& matrix)
+  MatrixLeaks(const LeakScene& around, const System& system, const BlockMatrix& matrix)
       : around_(around), rows_(decode(matrix)) {
     const LeafNumbers numbers(around.model);
     for (const SenderRef& sender : system.imports) columns_.push_back(clusters_of(numbers, sender));
@@ -114,7 +114,7 @@ class MatrixLeaks {
     return {part.index, seen == 0 ? share : 0.0, share * walled / kLeakPoints};
   }
 
-  const Surroundings& around_;
+  const LeakScene& around_;
   CsrMatrix rows_;
   std::vector<std::vector<WeightPart>> columns_;
 };
@@ -154,8 +154,7 @@ std::vector<RowLeak> cluster_rows(const Model& model) {
 }
 
 /// Measures those of `rows` that lie in system `s`, all of one kind.
-void measure_rows(const Surroundings& around, std::uint32_t s, LeakReceiver kind,
-                  std::vector<RowLeak>& rows) {
+void measure_rows(const LeakScene& around, std::uint32_t s, LeakReceiver kind, std::vector<RowLeak>& rows) {
   const System& system = around.model.systems[s];
   const auto in_system = [s](const RowLeak& row) { return row.system == s; };
   if (std::none_of(rows.begin(), rows.end(), in_system)) return;
@@ -193,7 +192,7 @@ Result<LeakReport> measure_leaks(const Model& model, const LeakOptions& options)
     if (options.clusters) clusters = thinned(cluster_rows(model), options.rows);
     tbb::task_arena arena(arena_threads(options.threads));
     arena.execute([&] {
-      const Surroundings around(model, *caster);
+      const LeakScene around(model, *caster);
       for (std::uint32_t s = 0; s < model.systems.size(); ++s) {
         measure_rows(around, s, LeakReceiver::lumel, lumels);
         measure_rows(around, s, LeakReceiver::cluster, clusters);

@@ -14,7 +14,7 @@
 namespace relume {
 namespace {
 
-constexpr double kRays = 1 << 18;  ///< of all charts together, about
+constexpr double kRaysOfAll = 1 << 18;  ///< of all charts together, about
 constexpr std::uint32_t kFewestRays = 32, kMostRays = 8192;
 
 /// Chart of a side of a triangle.
@@ -153,7 +153,7 @@ std::vector<ChartLink> link_charts(const Geometry& geometry, const std::vector<C
   tbb::parallel_for(std::size_t{0}, charts.size(), [&](std::size_t c) {
     const double area = area_of(geometry, charts[c]);
     const auto wanted =
-        std::clamp<double>(kRays * area / std::max(geometry.area, 1e-30), kFewestRays, kMostRays);
+        std::clamp<double>(kRaysOfAll * area / std::max(geometry.area, 1e-30), kFewestRays, kMostRays);
     const std::uint32_t count = std::uint32_t(wanted) / kPacketSize * kPacketSize;
     area_per_ray[c] = area / count;
     hits[c] = count_hits(geometry, chart_of, caster, ChartRays(geometry, charts[c], points), count);

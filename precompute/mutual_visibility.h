@@ -21,4 +21,7 @@ struct SurfacePoint {
 bool mutually_visible(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& a,
                       const SurfacePoint& b);
 
+/// All that the answer depends on lies within this many times their distance of the points.
+inline constexpr float kLiftReach = 1.6f;
+
 }  // namespace relume

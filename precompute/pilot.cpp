@@ -17,14 +17,14 @@ constexpr std::uint32_t kPilotClusters = 256;
 /// As many as go into a tile.
 constexpr std::size_t kMostRows = 8;
 
-struct Worker {
-  explicit Worker(const RowScene& scene) : tracer(scene), mean(sender_count(scene)) {}
+struct PilotWorker {
+  explicit PilotWorker(const RowScene& scene) : tracer(scene), mean(sender_count(scene)) {}
   RowTracer tracer;
   RowMean mean;
 };
 
 PilotRows trace_rows_of(std::span<const Receiver> receivers, const SobolPoints& points,
-                        const Probing& probing, double mean_area, Worker& worker) {
+                        const Probing& probing, double mean_area, PilotWorker& worker) {
   constexpr std::uint32_t kHalf = kPilotRays / 2;
   PilotRows result;
   std::vector<RowHalves> halves;
@@ -76,7 +76,7 @@ std::vector<PilotRows> trace_pilot(const RowScene& scene, const std::vector<Char
                                    double mean_area, RowCounts& counts) {
   const std::uint32_t step = scene.cluster_count / kPilotClusters + 1;
   const SobolPoints points(kPilotRays, kPilotRays / 2);
-  tbb::enumerable_thread_specific<Worker> workers([&] { return Worker(scene); });
+  tbb::enumerable_thread_specific<PilotWorker> workers([&] { return PilotWorker(scene); });
   std::vector<PilotRows> pilot((scene.cluster_count + step - 1) / step);
   for (const ClusteredSurface& system : systems) {
     const std::vector<bool> none(system.surface.elements.size(), false);
@@ -89,7 +89,7 @@ std::vector<PilotRows> trace_pilot(const RowScene& scene, const std::vector<Char
                                            mean_area, workers.local());
     });
   }
-  for (const Worker& worker : workers) add_rays(worker.tracer, counts);
+  for (const PilotWorker& worker : workers) add_rays(worker.tracer, counts);
   return pilot;
 }
 

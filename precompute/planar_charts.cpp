@@ -94,10 +94,6 @@ std::vector<std::uint32_t> grow(const Geometry& geometry, std::uint32_t first, s
   return members;
 }
 
-double cross(const glm::dvec2& a, const glm::dvec2& b) {
-  return a.x * b.y - a.y * b.x;
-}
-
 /// Corners of the convex hull, counter-clockwise (A. M. Andrew, Another Efficient Algorithm for Convex Hulls
 /// in Two Dimensions, 1979).
 std::vector<glm::dvec2> convex_hull(std::vector<glm::dvec2> points) {

@@ -51,6 +51,7 @@ std::string options_json(const PrecomputeOptions& options, const PrecomputeRepor
                         report.error.clusters, report.error.rays, report.error.cut, report.error.precision)
           : "";
   const std::string asked = std::string(options.reciprocal ? R"(,"reciprocal":true)" : "") +
+                            (plan.clearance_share > 0.0 ? R"(,"clearance":true)" : "") +
                             (options.bounds ? R"(,"bounds":true)" : "") +
                             (options.directional ? R"(,"directional":true)" : "");
   return fmt::format(

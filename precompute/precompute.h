@@ -39,6 +39,9 @@ struct ProbePoint {
 /// one thread at a time.
 using ProgressObserver = std::function<bool(std::string_view stage, double fraction)>;
 
+/// Rays of one receiver.
+inline constexpr std::uint32_t kMaxQuality = 1u << 20;
+
 struct PrecomputeOptions {
   double texel_size = 0.0;    ///< m, 0 = from the scene (about 40 k lumels)
   double cluster_size = 0.0;  ///< m, 0 = from the scene (about 4 k clusters); never below the texel size

@@ -13,7 +13,7 @@ namespace relume {
 namespace {
 
 /// Rays of a place: noise of about 1 % of its Y00.
-constexpr std::uint32_t kRays = 1024;
+constexpr std::uint32_t kRaysPerPoint = 1024;
 /// Samples of root cells, and of those that are halved.
 constexpr std::size_t kRootSamples = 32, kCellSamples = 16;
 /// What a place where no probe speaks counts for: all of its light is off.
@@ -67,7 +67,7 @@ double squared_difference(const Glimpse& there, const Glimpse& told, const Probi
 }  // namespace
 
 ProbeCritic::ProbeCritic(const RowScene& scene, const Probing& probing, ProbeTree& tree)
-    : scene_(scene), probing_(probing), tree_(tree), points_(kRays, kRays), tracers_([this] {
+    : scene_(scene), probing_(probing), tree_(tree), points_(kRaysPerPoint, kRaysPerPoint), tracers_([this] {
         return SphereTracer(scene_);
       }) {}
 

@@ -14,20 +14,20 @@
 namespace relume {
 namespace {
 
-constexpr int kDirections = 32;
+constexpr int kLookingDirections = 32;
 /// A few back faces are seen through any gap.
-constexpr int kMostBackFaces = kDirections / 8;
+constexpr int kMostBackFaces = kLookingDirections / 8;
 /// Share of a cell's edge that probes keep off surfaces, and by which they may move.
 constexpr float kClearance = 0.02f;
 constexpr std::array<float, 3> kMoves{0.05f, 0.15f, 0.33f};
 
 /// Evenly spread: equal areas along z, the golden ratio around it.
-std::array<glm::vec3, kDirections> make_directions() {
-  std::array<glm::vec3, kDirections> directions;
-  for (int i = 0; i < kDirections; ++i) {
+std::array<glm::vec3, kLookingDirections> make_directions() {
+  std::array<glm::vec3, kLookingDirections> directions;
+  for (int i = 0; i < kLookingDirections; ++i) {
     const float turn = float(i) * 0.61803399f;
     directions[std::size_t(i)] =
-        sphere_direction((float(i) + 0.5f) / float(kDirections), turn - std::floor(turn));
+        sphere_direction((float(i) + 0.5f) / float(kLookingDirections), turn - std::floor(turn));
   }
   return directions;
 }
@@ -53,9 +53,9 @@ std::optional<glm::vec3> find_room(const Geometry& geometry, const RayCaster& ca
 
 bool in_free_space(const Geometry& geometry, const RayCaster& caster, const glm::vec3& point,
                    float clearance) {
-  static const std::array<glm::vec3, kDirections> kAround = make_directions();
+  static const std::array<glm::vec3, kLookingDirections> kAround = make_directions();
   int back_faces = 0;
-  for (int first = 0; first < kDirections; first += kPacketSize) {
+  for (int first = 0; first < kLookingDirections; first += kPacketSize) {
     RayPacket packet;
     for (std::size_t lane = 0; lane < kPacketSize; ++lane)
       set_ray(packet, lane, point, kAround[std::size_t(first) + lane],

@@ -15,6 +15,7 @@
 #include "precompute/embree_memory.h"
 #include "precompute/opacity.h"
 #include "precompute/overlap_in_plane.h"
+#include "precompute/packet_lanes.h"
 
 namespace relume {
 namespace {
@@ -66,8 +67,7 @@ void keep_lowest(const RTCFilterFunctionNArguments* arguments) {
     if (lowest.triangle[lane] != kNoTriangle &&
         rank(lowest, triangle, u, v) >= rank(lowest, lowest.triangle[lane], lowest.u[lane], lowest.v[lane]))
       continue;
-    lowest.triangle[lane] = triangle;
-    lowest.distance[lane] = RTCRayN_tfar(arguments->ray, n, i);
+    lowest.triangle[lane] = triangle, lowest.distance[lane] = RTCRayN_tfar(arguments->ray, n, i);
     lowest.u[lane] = u, lowest.v[lane] = v;
   }
 }
@@ -222,14 +222,9 @@ void attach_triangles(RTCDevice device, RTCScene scene, const Mesh& mesh, Triang
 RTCRay segment(const glm::vec3& a, const glm::vec3& b) {
   const glm::vec3 direction = b - a;
   RTCRay ray{};
-  ray.org_x = a.x;
-  ray.org_y = a.y;
-  ray.org_z = a.z;
-  ray.dir_x = direction.x;
-  ray.dir_y = direction.y;
-  ray.dir_z = direction.z;
-  ray.tnear = 0.0f;
-  ray.tfar = 1.0f;
+  ray.org_x = a.x, ray.org_y = a.y, ray.org_z = a.z;
+  ray.dir_x = direction.x, ray.dir_y = direction.y, ray.dir_z = direction.z;
+  ray.tnear = 0.0f, ray.tfar = 1.0f;
   ray.mask = ~0u;
   return ray;
 }
@@ -285,15 +280,14 @@ LaneChoice lanes_with_ties(const RayPacket& packet, const std::vector<std::uint8
 void settle_ties(RTCScene scene, const LaneChoice& lanes, float largest,
                  const std::vector<std::uint8_t>& flags, AlphaTest alpha, RayPacket& packet) {
   LowestHits lowest;
-  lowest.flags = &flags;
-  lowest.query = start_query(alpha);
+  lowest.flags = &flags, lowest.query = start_query(alpha);
   lowest.query.base.filter = keep_lowest;
   lowest.triangle.fill(kNoTriangle);
   RayPacket around = packet;
   around.geometry.fill(RTC_INVALID_GEOMETRY_ID);
   for (int lane = 0; lane < kPacketSize; ++lane) {
-    const glm::vec3 direction(packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]);
-    const float margin = (packet.far[lane] + largest / glm::length(direction)) * 0x1p-20f;
+    const float way = glm::length(direction_of(packet, std::size_t(lane)));
+    const float margin = (packet.far[lane] + largest / way) * 0x1p-20f;
     around.near[lane] = std::max(packet.near[lane], packet.far[lane] - margin);
     around.far[lane] = packet.far[lane] + margin;
     around.id[lane] = std::uint32_t(lane);
@@ -301,8 +295,7 @@ void settle_ties(RTCScene scene, const LaneChoice& lanes, float largest,
   rtcIntersect8(lanes.data(), scene, &lowest.query.base, reinterpret_cast<RTCRayHit8*>(&around));
   for (int lane = 0; lane < kPacketSize; ++lane) {
     if (lanes[lane] == 0 || lowest.triangle[lane] == kNoTriangle) continue;
-    packet.triangle[lane] = lowest.triangle[lane];
-    packet.far[lane] = lowest.distance[lane];
+    packet.triangle[lane] = lowest.triangle[lane], packet.far[lane] = lowest.distance[lane];
     packet.u[lane] = lowest.u[lane], packet.v[lane] = lowest.v[lane];
   }
 }
@@ -362,8 +355,7 @@ Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
 void RayCaster::closest_hits(RayPacket& packet, RaySpread spread, AlphaTest alpha) const {
   QueryContext query = start_query(alpha);
   if (spread == RaySpread::narrow) query.base.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  packet.triangle.fill(kNoTriangle);
-  packet.geometry.fill(RTC_INVALID_GEOMETRY_ID);
+  packet.triangle.fill(kNoTriangle), packet.geometry.fill(RTC_INVALID_GEOMETRY_ID);
   const LaneChoice lanes = lanes_with_rays(packet);
   rtcIntersect8(lanes.data(), scene_->scene.get(), &query.base, reinterpret_cast<RTCRayHit8*>(&packet));
   const LaneChoice ties = lanes_with_ties(packet, scene_->ties);

@@ -6,20 +6,10 @@
 #include <glm/geometric.hpp>
 
 #include "core/sky.h"
+#include "precompute/packet_lanes.h"
 #include "precompute/ray_recall.h"
 
 namespace relume {
-namespace {
-
-/// Lanes outside of `lanes` have no ray.
-void choose_lanes(std::uint32_t lanes, RayPacket& rays) {
-  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
-    if ((lanes >> lane & 1u) == 0) rays.far[lane] = -1.0f;
-  }
-}
-
-}  // namespace
-
 RaySight::RaySight(const Geometry& geometry, const RayCaster& caster, const SenderLookup& lookup,
                    const Emitters& emitters, RayMemory* memory)
     : geometry_(geometry),

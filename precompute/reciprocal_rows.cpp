@@ -13,7 +13,7 @@
 namespace relume {
 namespace {
 
-constexpr double kEnough = 1e-7;  ///< of a row's sum; form factors are stored with 24 bits
+constexpr double kCloseEnough = 1e-7;  ///< of a row's sum; form factors are stored with 24 bits
 constexpr double kMostScale = 2.0;
 constexpr std::uint32_t kMostIterations = 1000;
 constexpr double kMostLeft = 0.1;  ///< of the area
@@ -107,7 +107,7 @@ std::vector<double> symmetric_scaling(const Rows& rows, const std::vector<double
       next[i] = std::clamp(wanted, 1.0 / kMostScale, kMostScale);
       off[i] = found > 0.0 && !at_limit(next[i]) ? std::abs(found - totals[i]) / found : 0.0;
     });
-    if (off.empty() || *std::max_element(off.begin(), off.end()) <= kEnough) break;
+    if (off.empty() || *std::max_element(off.begin(), off.end()) <= kCloseEnough) break;
     scale.swap(next);
   }
   return scale;
@@ -122,7 +122,7 @@ std::vector<double> repairs(std::span<const ProjectedRow> targets, const Rows& r
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const double found = scale[i] * scaled_sum(rows[i], scale);
     area += targets[i].area;
-    if (std::abs(found - totals[i]) <= 2.0 * kEnough * found) continue;
+    if (std::abs(found - totals[i]) <= 2.0 * kCloseEnough * found) continue;
     repair[i] = totals[i] / found;
     left += targets[i].area;
   }

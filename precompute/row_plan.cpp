@@ -11,7 +11,6 @@ constexpr std::uint32_t kQuality = 512;
 constexpr std::uint32_t kMostRays = 1u << 12, kLeastRays = 64;
 constexpr std::uint32_t kMostSensorRays = 1u << 16, kLeastSensorRays = 1024, kMinSensorQuality = 4096;
 constexpr std::uint32_t kSensorQualities = 16;
-constexpr std::uint32_t kMaxQuality = 1u << 20;
 /// What clusters begin with at a target of 100 %; errors are about of second order in the size.
 constexpr double kClearanceShare = 1.15;
 /// 8 bits with square-root coding cost less than a percent.

@@ -8,19 +8,10 @@
 #include <utility>
 
 #include "core/quantities.h"
+#include "precompute/packet_lanes.h"
 
 namespace relume {
 namespace {
-
-/// Area samples of emitters for each ray of a row.
-constexpr std::uint32_t kRaysPerAreaSample = 16;
-constexpr std::uint32_t kMaxAreaSamples = 4096;
-
-constexpr std::uint32_t kAllLanes = (1u << kPacketSize) - 1u;
-
-glm::vec3 direction_of(const RayPacket& packet, int lane) {
-  return {packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]};
-}
 
 /// Where in their sequence the area samples begin that go with the rays of `range`.
 std::uint32_t first_sample(const PointRange& range, std::uint32_t samples) {

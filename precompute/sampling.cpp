@@ -37,13 +37,13 @@ constexpr DirectionIntegers direction_integers(int dimension) {
   return v;
 }
 
-constexpr std::array<DirectionIntegers, 4> kDirections{direction_integers(0), direction_integers(1),
-                                                       direction_integers(2), direction_integers(3)};
+constexpr std::array<DirectionIntegers, 4> kDirectionIntegers{direction_integers(0), direction_integers(1),
+                                                              direction_integers(2), direction_integers(3)};
 
 constexpr std::uint32_t sobol(std::uint32_t index, int dimension) {
   std::uint32_t result = 0;
   for (std::uint32_t bit = 0; index != 0; index >>= 1, ++bit) {
-    if ((index & 1u) != 0) result ^= kDirections[std::size_t(dimension)][bit];
+    if ((index & 1u) != 0) result ^= kDirectionIntegers[std::size_t(dimension)][bit];
   }
   return result;
 }

@@ -9,13 +9,11 @@
 
 #include "core/quantities.h"
 #include "core/sky.h"
+#include "precompute/packet_lanes.h"
 
 namespace relume {
 namespace {
 
-/// Area samples of emitters for each ray.
-constexpr std::uint32_t kRaysPerAreaSample = 16;
-constexpr std::uint32_t kMaxAreaSamples = 4096;
 /// Directions whose mean is shorter are told in parts: they reach about 20 degrees around it.
 constexpr float kShortestMean = 0.97f;
 /// Parts are cells of the sphere (core/sky.h) of about so many degrees.
@@ -23,11 +21,6 @@ constexpr std::uint32_t kPartResolution = 4;
 
 /// Tells rays over the sphere from those over a hemisphere.
 constexpr std::uint64_t kSphere = 0x737068657265;
-constexpr std::uint32_t kAllLanes = (1u << kPacketSize) - 1u;
-
-glm::vec3 direction_of(const RayPacket& packet, std::size_t lane) {
-  return {packet.direction_x[lane], packet.direction_y[lane], packet.direction_z[lane]};
-}
 
 /// Upper estimate of the solid angle of an emitter: its cosine as large as its size allows.
 double largest_solid_angle(const Emitter& emitter, const glm::vec3& position) {

@@ -17,7 +17,7 @@ constexpr double kNoFlux = 0.01;
 constexpr int kRefinements = 4;
 
 /// A part below this share of what a system may hold looks for one to join: two below half fit together.
-constexpr double kSmallShare = 0.5;
+constexpr double kSmallPart = 0.5;
 
 /// Where a chart lies along a direction.
 struct Extent {
@@ -220,7 +220,7 @@ void join_small_parts(const std::vector<ChartCost>& costs,
                       const std::vector<std::vector<Neighbor>>& neighbors, std::uint64_t most_lumels,
                       Parts& parts) {
   for (std::size_t p = 0; p < parts.size();) {
-    const bool small = double(lumels_of(costs, parts[p])) < kSmallShare * double(most_lumels);
+    const bool small = double(lumels_of(costs, parts[p])) < kSmallPart * double(most_lumels);
     const std::size_t partner = small ? partner_of(costs, neighbors, parts, p, most_lumels) : p;
     if (partner == p) {
       ++p;

@@ -44,15 +44,15 @@ struct Surface {
   double solid_area = 0.0;              ///< m2
 };
 
-struct Surfaces {
+struct SurfaceGroups {
   std::vector<Surface> list;
   std::vector<std::uint32_t> of_triangle;
 };
 
-Surfaces group_triangles(const Scene& scene, const Geometry& geometry, FactorGrouping grouping) {
+SurfaceGroups group_triangles(const Scene& scene, const Geometry& geometry, FactorGrouping grouping) {
   const bool by_node = grouping == FactorGrouping::node;
   const std::vector<std::uint32_t>& groups = by_node ? geometry.node : geometry.material;
-  Surfaces surfaces;
+  SurfaceGroups surfaces;
   std::map<std::uint32_t, std::uint32_t> index_of;
   for (const auto group : groups) index_of[group] = 0;
   for (auto& [group, index] : index_of) {
@@ -114,7 +114,7 @@ void set_ray(RayPacket& packet, int lane, const glm::vec3& origin, const glm::ve
 struct FactorScene {
   const Geometry& geometry;
   const RayCaster& caster;
-  const Surfaces& surfaces;
+  const SurfaceGroups& surfaces;
   const SobolPoints& points;
 };
 
@@ -212,7 +212,7 @@ Result<SurfaceFactors> build(const Scene& scene, FactorGrouping grouping, std::u
     return fail(ErrorCode::bad_input, fmt::format("{}: no static triangles to measure", scene.file_name));
   }
   const Geometry geometry = make_geometry(scene);
-  const Surfaces surfaces = group_triangles(scene, geometry, grouping);
+  const SurfaceGroups surfaces = group_triangles(scene, geometry, grouping);
   if (surfaces.list.size() > kMaxSurfaces) {
     return fail(ErrorCode::usage,
                 fmt::format("{}: expected at most {} surfaces, found {}; group them by material",

@@ -16,13 +16,10 @@ namespace {
 /// Rays that decide whether a point lies inside other geometry; inside when more than half meet back faces.
 constexpr int kInsideRays = 16;
 
-/// Segments between points are lifted by up to this share of their length (mutual_visibility.h).
-constexpr float kReach = 1.6f;
-
 constexpr std::uint64_t kSeeEachOther = 0x736565ull, kInside = 0x696e73ull;
 
 /// Old answers are looked up by so many bits of their keys, then one by one.
-constexpr unsigned kFirstBits = 16;
+constexpr unsigned kAnswerBits = 16;
 
 std::uint64_t mix_point(std::uint64_t key, const SurfacePoint& point) {
   const auto pair = [](float a, float b) {
@@ -83,13 +80,13 @@ Views::Views(const Geometry& geometry, const RayCaster& caster, const SceneChang
       change_(change != nullptr && change->comparable() ? change : nullptr),
       record_(record) {
   if (change_ == nullptr) return;
-  first_.assign((std::size_t{1} << kFirstBits) + 1, 0);
-  for (const std::uint64_t answer : change_->old().views) ++first_[(answer >> (64 - kFirstBits)) + 1];
+  first_.assign((std::size_t{1} << kAnswerBits) + 1, 0);
+  for (const std::uint64_t answer : change_->old().views) ++first_[(answer >> (64 - kAnswerBits)) + 1];
   for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
 }
 
 Views::Answer Views::recall(std::uint64_t key) const {
-  const std::size_t bits = key >> (64 - kFirstBits);
+  const std::size_t bits = key >> (64 - kAnswerBits);
   for (std::uint32_t i = first_[bits]; i < first_[bits + 1]; ++i) {
     const std::uint64_t answer = change_->old().views[i];
     if ((answer & ~std::uint64_t{1}) == key) return (answer & 1) != 0 ? Answer::yes : Answer::no;
@@ -107,7 +104,7 @@ void Views::keep(const SurfacePoint& a, const SurfacePoint& b, bool visible) {
 
 bool Views::ask(const SurfacePoint& a, const SurfacePoint& b, std::uint64_t& rays) const {
   const Answer old = change_ != nullptr ? recall(key_of(a, b)) : Answer::unknown;
-  const float reach = kReach * glm::length(b.position - a.position) + 2.0f * geometry_.offset;
+  const float reach = kLiftReach * glm::length(b.position - a.position) + 2.0f * geometry_.offset;
   if (old != Answer::unknown && !change_->disturbed(a.position, reach)) return old == Answer::yes;
   rays += 3;
   return mutually_visible(geometry_, caster_, a, b);

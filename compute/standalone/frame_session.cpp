@@ -23,10 +23,6 @@ constexpr VkDeviceSize kTracePairBytes = 64;  ///< of the work of a light and a 
 
 enum Moment : std::uint32_t { kBegin, kInputs, kDirectLight, kBounces, kGather, kLightmaps, kMoments };
 
-tl::unexpected<Error> failed(const Error& error) {
-  return tl::unexpected<Error>(error);
-}
-
 struct Lightmap {
   LightmapPass pass;
   DeviceImage image;
@@ -93,7 +89,7 @@ Result<std::vector<BufferRange>> FrameSession::State::allocate(std::span<const B
   std::vector<BufferRange> ranges;
   for (const BufferRequirement& buffer : needed) {
     auto range = allocate(buffer);
-    if (!range) return failed(range.error());
+    if (!range) return fail(range.error());
     ranges.push_back(*range);
   }
   return ranges;
@@ -102,7 +98,7 @@ Result<std::vector<BufferRange>> FrameSession::State::allocate(std::span<const B
 Result<void> FrameSession::State::grow_staging(VkDeviceSize byte_size) {
   if (staging.byte_size >= byte_size) return {};
   auto made = make_device_buffer(*device, byte_size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::upload);
-  if (!made) return failed(made.error());
+  if (!made) return fail(made.error());
   staging = std::move(*made);
   return {};
 }
@@ -114,7 +110,7 @@ Result<void> FrameSession::State::upload(std::span<const BufferRange> ranges, co
       const std::span<const BufferRange> targets = ranges.empty() ? data.targets : ranges;
       done = record_upload(functions, commands, targets, data, {staging.range(), staging.mapped}, cursor);
     });
-    if (!submitted) return failed(submitted.error());
+    if (!submitted) return fail(submitted.error());
   }
   return {};
 }
@@ -149,14 +145,14 @@ Result<DirectLight> FrameSession::State::make_light(const Model& model, std::uin
   std::vector<BufferRange> ranges = occluders;
   for (const BufferRequirement& buffer : light->buffers().subspan(occluders.size())) {
     auto range = allocate(buffer);
-    if (!range) return failed(range.error());
+    if (!range) return fail(range.error());
     ranges.push_back(*range);
   }
   if (first) occluders.assign(ranges.begin(), ranges.begin() + kLightPieces);
   ranges[kClusterLight] = solver.input(system, Quantity::direct);
-  if (auto bound = light->bind(ranges); !bound) return failed(bound.error());
+  if (auto bound = light->bind(ranges); !bound) return fail(bound.error());
   if (auto uploaded = upload(ranges, light->model_data(model, first)); !uploaded)
-    return failed(uploaded.error());
+    return fail(uploaded.error());
   return light;
 }
 
@@ -165,33 +161,33 @@ Result<std::optional<Lightmap>> FrameSession::State::make_lightmap(const System&
   const LightmapTexels texels = lightmap_texels(system);
   if (texels.texels.empty()) return std::optional<Lightmap>{};
   auto pass = LightmapPass::create(device->host(), system, texels, options.lightmaps);
-  if (!pass) return failed(pass.error());
+  if (!pass) return fail(pass.error());
   const auto ranges = allocate(pass->buffers());
-  if (!ranges) return failed(ranges.error());
-  if (auto uploaded = upload(*ranges, lightmap_data(texels)); !uploaded) return failed(uploaded.error());
+  if (!ranges) return fail(ranges.error());
+  if (auto uploaded = upload(*ranges, lightmap_data(texels)); !uploaded) return fail(uploaded.error());
   auto image = make_lightmap_target(*device, pass->image());
-  if (!image) return failed(image.error());
+  if (!image) return fail(image.error());
   auto view = make_image_view(*device, *image, pass->image().storage_view_format, VK_IMAGE_USAGE_STORAGE_BIT);
-  if (!view) return failed(view.error());
+  if (!view) return fail(view.error());
   const LightmapInputs inputs{solver.irradiance(number), light.gather_light()};
-  if (auto bound = pass->bind(*ranges, inputs, view->get()); !bound) return failed(bound.error());
+  if (auto bound = pass->bind(*ranges, inputs, view->get()); !bound) return fail(bound.error());
   return Lightmap{std::move(*pass), std::move(*image), std::move(*view)};
 }
 
 Result<void> FrameSession::State::add_passes(const Model& model, std::uint32_t system) {
   auto light = make_light(model, system);
-  if (!light) return failed(light.error());
+  if (!light) return fail(light.error());
   auto pass = MaterialPass::create(device->host(), model, system, options.materials);
-  if (!pass) return failed(pass.error());
+  if (!pass) return fail(pass.error());
   const auto ranges = allocate(pass->buffers());
-  if (!ranges) return failed(ranges.error());
+  if (!ranges) return fail(ranges.error());
   const auto bound =
       pass->bind(*ranges, {solver.input(system, Quantity::albedo), solver.input(system, Quantity::exitance)});
   if (!bound) return bound;
   if (auto uploaded = upload(*ranges, material_data(model, system, options.materials.states)); !uploaded)
     return uploaded;
   auto lightmap = make_lightmap(model.systems[system], system, *light);
-  if (!lightmap) return failed(lightmap.error());
+  if (!lightmap) return fail(lightmap.error());
   LightSchedule traced = light->make_schedule();
   passes.push_back(
       {system, std::move(*light), std::move(traced), std::move(*pass), (*ranges)[1], std::move(*lightmap)});
@@ -255,10 +251,10 @@ Result<Schedule> FrameSession::State::record(VkCommandBuffer commands, const Fra
   };
   const auto first = solver.record_frame(
       commands, {.plan = &bounces, .copies = copies, .materials = changed, .write_inputs = write_inputs}, {});
-  if (!first) return failed(first.error());
+  if (!first) return fail(first.error());
   moments.record_mark(commands, kBounces);
   if (auto second = solver.record_frame(commands, {.plan = &gather}, {}); !second)
-    return failed(second.error());
+    return fail(second.error());
   moments.record_mark(commands, kGather);
   for (const SystemPasses& of : passes) {
     if (of.lightmap) of.lightmap->pass.record(commands);
@@ -276,11 +272,11 @@ Result<FrameSession> FrameSession::create(StandaloneDevice& device, const Model&
                                           const FrameSessionOptions& options) {
   const HostDevice host = device.host();
   auto solver = GpuSolver::create(host, model, options.solver);
-  if (!solver) return failed(solver.error());
+  if (!solver) return fail(solver.error());
   auto functions = load_device_functions(host);
-  if (!functions) return failed(functions.error());
+  if (!functions) return fail(functions.error());
   auto moments = Timestamps::create(host.physical_device, host.device, device.queue_family(), kMoments);
-  if (!moments) return failed(moments.error());
+  if (!moments) return fail(moments.error());
   auto state = std::make_unique<State>(State{&device,
                                              options,
                                              *functions,
@@ -293,7 +289,7 @@ Result<FrameSession> FrameSession::create(StandaloneDevice& device, const Model&
                                              make_schedule(model.systems.size(), 0.0),
                                              {},
                                              {}});
-  if (auto loaded = state->load(model); !loaded) return failed(loaded.error());
+  if (auto loaded = state->load(model); !loaded) return fail(loaded.error());
   return FrameSession(std::move(state));
 }
 
@@ -308,14 +304,14 @@ Result<FrameTimes> FrameSession::frame(const FrameContent& content) {
                                       " materials or clusters, expected " + std::to_string(states));
   }
   for (SystemPasses& of : state.passes) {
-    if (auto set = of.schedule.set_lights(content.lights); !set) return failed(set.error());
+    if (auto set = of.schedule.set_lights(content.lights); !set) return fail(set.error());
   }
-  if (auto grown = state.grow_staging(state.frame_bytes(content)); !grown) return failed(grown.error());
+  if (auto grown = state.grow_staging(state.frame_bytes(content)); !grown) return fail(grown.error());
   Result<Schedule> next;
   const auto submitted =
       state.device->submit([&](VkCommandBuffer commands) { next = state.record(commands, content, times); });
-  if (!submitted) return failed(submitted.error());
-  if (!next) return failed(next.error());
+  if (!submitted) return fail(submitted.error());
+  if (!next) return fail(next.error());
   state.schedule = std::move(*next);
   state.started = true;
   times.host = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -349,7 +345,7 @@ Result<std::vector<Rgb>> FrameSession::State::read(
   for (const SystemPasses& of : passes) {
     const auto [range, count] = where(of);
     const auto floats = read_floats(*device, range, 4 * count);
-    if (!floats) return failed(floats.error());
+    if (!floats) return fail(floats.error());
     for (std::size_t i = 0; i < floats->size(); i += 4)
       values.emplace_back((*floats)[i], (*floats)[i + 1], (*floats)[i + 2]);
   }

@@ -8,18 +8,9 @@
 namespace relume {
 namespace {
 
-tl::unexpected<Error> failed(const Error& error) {
-  return tl::unexpected<Error>(error);
-}
-
-void add(SubmitTimes& sum, const SubmitTimes& times) {
-  sum.seconds += times.seconds;
-  sum.gpu_seconds += times.gpu_seconds;
-}
-
 Result<std::vector<Rgb>> read_rgb(StandaloneDevice& device, const BufferRange& range, std::size_t count) {
   const auto floats = read_floats(device, range, 4 * count);
-  if (!floats) return failed(floats.error());
+  if (!floats) return fail(floats.error());
   std::vector<Rgb> values;
   for (std::size_t i = 0; i < count; ++i)
     values.emplace_back((*floats)[4 * i], (*floats)[4 * i + 1], (*floats)[4 * i + 2]);
@@ -27,7 +18,7 @@ Result<std::vector<Rgb>> read_rgb(StandaloneDevice& device, const BufferRange& r
 }
 
 Result<void> add_rgb(const Result<std::vector<Rgb>>& values, std::vector<Rgb>& sum) {
-  if (!values) return failed(values.error());
+  if (!values) return fail(values.error());
   for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += (*values)[i];
   return {};
 }
@@ -79,10 +70,10 @@ Result<void> light_group(StandaloneDevice& device, const Model& model,
   LightSessionOptions options;
   options.light.systems = systems;
   auto session = LightSession::create(device, model, options);
-  if (!session) return failed(session.error());
+  if (!session) return fail(session.error());
   while (!lights.empty()) {
     const std::size_t batch = lights_that_fit(session->schedule(), lights);
-    if (auto lit = session->set_lights(lights.first(batch)); !lit) return failed(lit.error());
+    if (auto lit = session->set_lights(lights.first(batch)); !lit) return fail(lit.error());
     if (auto added = add_rgb(session->read_clusters(), sum.clusters); !added) return added;
     if (auto added = add_rgb(session->read_gather(), sum.gather); !added) return added;
     lights = lights.subspan(batch);
@@ -95,9 +86,9 @@ Result<void> light_group(StandaloneDevice& device, const Model& model,
 Result<LightSession> LightSession::create(StandaloneDevice& device, const Model& model,
                                           const LightSessionOptions& options) {
   auto light = DirectLight::create(device.host(), model, options.light);
-  if (!light) return failed(light.error());
+  if (!light) return fail(light.error());
   LightSession session(device, options, std::move(*light));
-  if (auto provided = session.provide_memory(model); !provided) return failed(provided.error());
+  if (auto provided = session.provide_memory(model); !provided) return fail(provided.error());
   return session;
 }
 
@@ -105,19 +96,19 @@ Result<void> LightSession::provide_memory(const Model& model) {
   std::vector<BufferRange> ranges;
   for (const BufferRequirement& requirement : light_.buffers()) {
     auto range = arena_.allocate(requirement);
-    if (!range) return failed(range.error());
+    if (!range) return fail(range.error());
     ranges.push_back(*range);
   }
   if (auto bound = light_.bind(ranges); !bound) return bound;
   if (auto staging = grow_staging(options_.staging_bytes); !staging) return staging;
-  if (auto uploaded = upload(light_.model_data(model)); !uploaded) return failed(uploaded.error());
+  if (auto uploaded = upload(light_.model_data(model)); !uploaded) return fail(uploaded.error());
   return {};
 }
 
 Result<void> LightSession::grow_staging(VkDeviceSize bytes) {
   if (staging_.byte_size >= bytes) return {};
   auto staging = make_device_buffer(*device_, bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::upload);
-  if (!staging) return failed(staging.error());
+  if (!staging) return fail(staging.error());
   staging_ = std::move(*staging);
   return {};
 }
@@ -132,14 +123,14 @@ Result<SubmitTimes> LightSession::upload(const UploadData& data) {
         },
         options_.timeout_seconds);
     if (!times) return times;
-    add(sum, *times);
+    sum += *times;
   }
   return sum;
 }
 
 Result<LightTimes> LightSession::set_lights(std::span<const Light> lights) {
-  if (auto set = schedule_.set_lights(lights); !set) return failed(set.error());
-  if (auto grown = grow_staging(light_.staging_bytes(lights.size())); !grown) return failed(grown.error());
+  if (auto set = schedule_.set_lights(lights); !set) return fail(set.error());
+  if (auto grown = grow_staging(light_.staging_bytes(lights.size())); !grown) return fail(grown.error());
   LightTimes done;
   while (!schedule_.complete()) {
     LightPart part;
@@ -149,8 +140,8 @@ Result<LightTimes> LightSession::set_lights(std::span<const Light> lights) {
                                options_.max_submit_rays);
         },
         options_.timeout_seconds);
-    if (!times) return failed(times.error());
-    add(done.sum, *times);
+    if (!times) return fail(times.error());
+    done.sum += *times;
     done.rays += part.cost;
     done.longest_gpu_seconds = std::max(done.longest_gpu_seconds, times->gpu_seconds);
   }
@@ -161,7 +152,7 @@ Result<void> LightSession::write_mask(std::span<const float> visibility) {
   UploadData data;
   const std::span bytes = std::as_bytes(visibility);
   data.add_owned(kLightMask, 0, {bytes.begin(), bytes.end()});
-  if (auto uploaded = upload(data); !uploaded) return failed(uploaded.error());
+  if (auto uploaded = upload(data); !uploaded) return fail(uploaded.error());
   return {};
 }
 
@@ -184,16 +175,16 @@ Result<std::vector<float>> LightSession::trace(std::span<const LightSegment> seg
     UploadData data;
     const std::span bytes = std::as_bytes(std::span(rays));
     data.add_owned(kLightWork, 0, {bytes.begin(), bytes.end()});
-    if (auto uploaded = upload(data); !uploaded) return failed(uploaded.error());
+    if (auto uploaded = upload(data); !uploaded) return fail(uploaded.error());
     const auto traced = device_->submit(
         [&](VkCommandBuffer commands) {
           light_.record_shadow_rays(commands, static_cast<std::uint32_t>(count));
         },
         options_.timeout_seconds);
-    if (!traced) return failed(traced.error());
-    if (times != nullptr) add(*times, *traced);
+    if (!traced) return fail(traced.error());
+    if (times != nullptr) *times += *traced;
     const auto read = read_floats(*device_, light_.buffer(kLightShares), count);
-    if (!read) return failed(read.error());
+    if (!read) return fail(read.error());
     shares.insert(shares.end(), read->begin(), read->end());
   }
   retrace();
@@ -205,7 +196,7 @@ Result<DeviceDirectLight> direct_light_on_device(StandaloneDevice& device, const
   DeviceDirectLight all;
   for (const std::vector<std::uint32_t>& systems : system_groups(model, run.max_elements)) {
     DeviceDirectLight sum = unlit(model, systems);
-    if (auto lit = light_group(device, model, systems, lights, sum); !lit) return failed(lit.error());
+    if (auto lit = light_group(device, model, systems, lights, sum); !lit) return fail(lit.error());
     all.clusters.insert(all.clusters.end(), sum.clusters.begin(), sum.clusters.end());
     all.gather.insert(all.gather.end(), sum.gather.begin(), sum.gather.end());
   }

@@ -29,10 +29,6 @@ class Stopwatch {
   Clock::time_point last_ = Clock::now();
 };
 
-tl::unexpected<Error> failed(const Error& error) {
-  return tl::unexpected<Error>(error);
-}
-
 /// numerator / denominator per channel, the worst of them; a channel without light has no error.
 double worst_ratio(const Rgb& numerator, const Rgb& denominator) {
   double worst = 0.0;
@@ -125,17 +121,17 @@ class BounceLoop {
         correct_(rooms > 0) {}
 
   Result<void> run(DeviceSolution& out) {
-    if (auto started = session_.run({.restart = true}); !started) return failed(started.error());
+    if (auto started = session_.run({.restart = true}); !started) return fail(started.error());
     if (rule_.max_bounces == 0) return look_at_start(out);
     ProgressWatch watch;
     while (out.solution.bounces < rule_.max_bounces) {
       const std::uint32_t count = std::min(bounces_per_look(), rule_.max_bounces - out.solution.bounces);
       auto times = session_.run({.bounces = count, .correct = correct_, .residual = true});
-      if (!times) return failed(times.error());
+      if (!times) return fail(times.error());
       out.seconds.gpu_bounces += times->gpu_seconds;
       out.solution.bounces += count;
       const auto residual = look(out);
-      if (!residual) return failed(residual.error());
+      if (!residual) return fail(residual.error());
       book(*residual, contraction_.quotient, out);
       if (options_.observer && !options_.observer(out.solution.bounces, out.solution.error_bound)) {
         return fail(ErrorCode::cancelled,
@@ -160,17 +156,16 @@ class BounceLoop {
  private:
   /// B0 is the result; one bounce more shows how far it is from the end.
   Result<void> look_at_start(DeviceSolution& out) {
-    if (auto bounced = session_.run({.bounces = 1, .residual = true}); !bounced)
-      return failed(bounced.error());
+    if (auto bounced = session_.run({.bounces = 1, .residual = true}); !bounced) return fail(bounced.error());
     auto residual = look(out);
-    if (!residual) return failed(residual.error());
+    if (!residual) return fail(residual.error());
     if (auto start = read(session_.read_previous_radiosity(), out); !start) return start;
     residual->radiosity = Rgb(0.0);
     for (const Rgb& radiosity : out.solution.radiosity) {
       residual->radiosity = glm::max(residual->radiosity, radiosity);
     }
     book(*residual, Rgb(1.0), out);
-    if (auto restarted = session_.run({.restart = true}); !restarted) return failed(restarted.error());
+    if (auto restarted = session_.run({.restart = true}); !restarted) return fail(restarted.error());
     return {};
   }
 
@@ -203,7 +198,7 @@ class BounceLoop {
   }
 
   static Result<void> read(Result<std::vector<Rgb>> radiosity, DeviceSolution& out) {
-    if (!radiosity) return failed(radiosity.error());
+    if (!radiosity) return fail(radiosity.error());
     out.solution.radiosity = std::move(*radiosity);
     return {};
   }
@@ -229,17 +224,17 @@ bool has_tiles(const Model& model) {
 Result<void> gather(SolverSession& session, DeviceSolution& out) {
   Stopwatch watch;
   const auto times = session.run({.gather = true});
-  if (!times) return failed(times.error());
+  if (!times) return fail(times.error());
   out.seconds.gather = watch.lap();
   out.seconds.gpu_gather = times->gpu_seconds;
   auto irradiance = session.read_irradiance();
-  if (!irradiance) return failed(irradiance.error());
+  if (!irradiance) return fail(irradiance.error());
   out.irradiance = std::move(*irradiance);
   auto moments = session.read_directional_irradiance();
-  if (!moments) return failed(moments.error());
+  if (!moments) return fail(moments.error());
   out.moments = std::move(*moments);
   auto probes = session.read_probes();
-  if (!probes) return failed(probes.error());
+  if (!probes) return fail(probes.error());
   out.probes = std::move(*probes);
   out.seconds.download = watch.lap();
   return {};
@@ -250,11 +245,11 @@ Result<ContractionBound> bound_on_device(SolverSession& session, const Lighting&
   const std::vector<Rgb> black(lighting.albedo.size(), Rgb(0.0));
   const std::vector<Rgb> black_sky(lighting.sky_radiosity.size(), Rgb(0.0));
   const Lighting unlit{lighting.albedo, black, black, black_sky};
-  if (auto lit = session.light(unlit, {}); !lit) return failed(lit.error());
+  if (auto lit = session.light(unlit, {}); !lit) return fail(lit.error());
   const auto multiply = [&session](const std::vector<Rgb>& v) { return session.multiply(v); };
   auto bound = contraction_bound(multiply, lighting.albedo, rounding + 0x1p-24);
   if (!bound) return bound;
-  if (auto checked = check_contraction(*bound); !checked) return failed(checked.error());
+  if (auto checked = check_contraction(*bound); !checked) return fail(checked.error());
   return bound;
 }
 
@@ -279,7 +274,7 @@ Result<DeviceMethod> choose_method(SolverSession& session, const Model& model,
   }
   if (corrects && chosen.rooms.rooms.count == 0) return DeviceMethod{};
   if (!corrects) return chosen;
-  if (auto loaded = session.correct_by(model, chosen.rooms); !loaded) return failed(loaded.error());
+  if (auto loaded = session.correct_by(model, chosen.rooms); !loaded) return fail(loaded.error());
   return chosen;
 }
 
@@ -290,7 +285,7 @@ Result<void> solve_by_products(SolverSession& session, const Model& model, const
   const NearAndFar* levels = method.method == Method::bicgstab ? nullptr : &method.near_and_far;
   auto solved =
       solve_by_products(session, model, lighting, contraction, rounding, levels, rule, options.observer);
-  if (!solved) return failed(solved.error());
+  if (!solved) return fail(solved.error());
   out.solution = std::move(*solved);
   out.limited_by_rounding = rule.tolerance > 0.0 && out.solution.error_bound > rule.tolerance &&
                             out.solution.bounces < rule.max_bounces;
@@ -314,14 +309,14 @@ RowKernel default_row_kernel(const StandaloneDevice& device, const Model& model)
 
 Result<DeviceSolution> solve_on_device(StandaloneDevice& device, const Model& model, const Lighting& lighting,
                                        const StopRule& rule, const DeviceSolveOptions& options) {
-  if (auto checked = check_lighting(model, lighting); !checked) return failed(checked.error());
+  if (auto checked = check_lighting(model, lighting); !checked) return fail(checked.error());
   DeviceSolution out;
   Stopwatch watch;
   const RowKernel kernel = options.kernel.value_or(default_row_kernel(device, model));
   auto session =
       SolverSession::create(device, model, {kernel, options.max_dispatch_form_factors, options.fetch},
                             {options.max_submit_form_factors, options.timeout_seconds});
-  if (!session) return failed(session.error());
+  if (!session) return fail(session.error());
   out.device = device.name();
   out.kernel = row_kernel_name(kernel);
   out.device_bytes = session->device_bytes();
@@ -330,25 +325,25 @@ Result<DeviceSolution> solve_on_device(StandaloneDevice& device, const Model& mo
 
   const double rounding = rounding_of_bounce(model);
   const auto contraction = bound_on_device(*session, lighting, rounding);
-  if (!contraction) return failed(contraction.error());
+  if (!contraction) return fail(contraction.error());
   out.seconds.contraction = watch.lap();
 
   out.predicted_bounces = predicted_bounces(*contraction, rule);
   const auto method = choose_method(*session, model, options, rule, out.predicted_bounces);
-  if (!method) return failed(method.error());
+  if (!method) return fail(method.error());
   out.method = method->method;
   out.seconds.rooms = watch.lap();
 
   if (by_products(out.method)) {
     auto solved = solve_by_products(*session, model, lighting, *contraction, *method, rule, options, out);
-    if (!solved) return failed(solved.error());
+    if (!solved) return fail(solved.error());
   } else {
-    if (auto lit = session->light(lighting, contraction->weights); !lit) return failed(lit.error());
+    if (auto lit = session->light(lighting, contraction->weights); !lit) return fail(lit.error());
     BounceLoop loop(*session, *contraction, rounding, rule, options, method->rooms.rooms.count);
-    if (auto bounced = loop.run(out); !bounced) return failed(bounced.error());
+    if (auto bounced = loop.run(out); !bounced) return fail(bounced.error());
   }
   out.seconds.bounces = watch.lap();
-  if (auto gathered = gather(*session, out); !gathered) return failed(gathered.error());
+  if (auto gathered = gather(*session, out); !gathered) return fail(gathered.error());
   return out;
 }
 

@@ -27,11 +27,6 @@ void record_copy_to_host(VkCommandBuffer commands, const BufferRange& from, cons
                        0, nullptr, 0, nullptr);
 }
 
-void add(SubmitTimes& sum, const SubmitTimes& times) {
-  sum.seconds += times.seconds;
-  sum.gpu_seconds += times.gpu_seconds;
-}
-
 }  // namespace
 
 SolverSession::SolverSession(StandaloneDevice& device, const Model& model, const SessionLimits& limits,
@@ -103,7 +98,7 @@ Result<SubmitTimes> SolverSession::upload(const UploadData& data) {
         },
         limits_.timeout_seconds);
     if (!times) return times;
-    add(sum, *times);
+    sum += *times;
   }
   return sum;
 }
@@ -176,7 +171,7 @@ Result<SubmitTimes> SolverSession::run(PassWishes wishes) {
       solver_.latch(times.error());
       return times;
     }
-    add(sum, *times);
+    sum += *times;
     complete = plan.pass_complete;
     schedule_ = std::move(plan.next);
   }

@@ -32,6 +32,11 @@ struct StandaloneOptions {
 struct SubmitTimes {
   double seconds = 0.0;      ///< from the call to the end of the wait
   double gpu_seconds = 0.0;  ///< between timestamps around its commands; 0 when the queue has none
+
+  SubmitTimes& operator+=(const SubmitTimes& more) {
+    seconds += more.seconds, gpu_seconds += more.gpu_seconds;
+    return *this;
+  }
 };
 
 class StandaloneDevice {

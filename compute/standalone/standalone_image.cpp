@@ -15,10 +15,6 @@ namespace {
 
 constexpr VkImageSubresourceRange kWhole{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
 
-tl::unexpected<Error> failed(const Error& error) {
-  return tl::unexpected<Error>(error);
-}
-
 /// The first device-local type, or the first.
 std::uint32_t memory_type(const VkPhysicalDeviceMemoryProperties& memory, std::uint32_t allowed) {
   std::uint32_t first = memory.memoryTypeCount;
@@ -47,7 +43,7 @@ Result<VulkanHandle<VkImage>> make_image(VkDevice device, const ImageShape& shap
   const auto made = check_vulkan(vkCreateImage(device, &info, nullptr, &image),
                                  "creating an image of " + std::to_string(shape.extent.width) + " x " +
                                      std::to_string(shape.extent.height));
-  if (!made) return failed(made.error());
+  if (!made) return fail(made.error());
   return VulkanHandle<VkImage>(device, image, vkDestroyImage, nullptr);
 }
 
@@ -63,7 +59,7 @@ VkBufferImageCopy whole(const DeviceImage& image) {
 Result<DeviceImage> make_device_image(const StandaloneDevice& device, const ImageShape& shape) {
   VkDevice owner = device.host().device;
   auto image = make_image(owner, shape);
-  if (!image) return failed(image.error());
+  if (!image) return fail(image.error());
   VkMemoryRequirements needed{};
   vkGetImageMemoryRequirements(owner, image->get(), &needed);
   auto info = vulkan_info<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
@@ -74,13 +70,13 @@ Result<DeviceImage> make_device_image(const StandaloneDevice& device, const Imag
   VkDeviceMemory memory = VK_NULL_HANDLE;
   if (auto made = check_vulkan(vkAllocateMemory(owner, &info, nullptr, &memory), "allocating an image");
       !made)
-    return failed(made.error());
+    return fail(made.error());
   result.memory = VulkanHandle<VkDeviceMemory>(owner, memory, vkFreeMemory, nullptr);
   result.image = std::move(*image);
   if (auto bound =
           check_vulkan(vkBindImageMemory(owner, result.image.get(), memory, 0), "binding memory to an image");
       !bound)
-    return failed(bound.error());
+    return fail(bound.error());
   return result;
 }
 
@@ -98,7 +94,7 @@ Result<VulkanHandle<VkImageView>> make_image_view(const StandaloneDevice& device
   VkImageView view = VK_NULL_HANDLE;
   if (auto made = check_vulkan(vkCreateImageView(owner, &info, nullptr, &view), "creating an image view");
       !made)
-    return failed(made.error());
+    return fail(made.error());
   return VulkanHandle<VkImageView>(owner, view, vkDestroyImageView, nullptr);
 }
 
@@ -120,7 +116,7 @@ Result<void> write_image(StandaloneDevice& device, const DeviceImage& image,
                          std::span<const std::byte> texels, const ImageUse& use) {
   auto staging =
       make_device_buffer(device, texels.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::upload);
-  if (!staging) return failed(staging.error());
+  if (!staging) return fail(staging.error());
   std::memcpy(staging->mapped, texels.data(), texels.size());
   const VkBufferImageCopy copy = whole(image);
   const auto submitted = device.submit([&](VkCommandBuffer commands) {
@@ -129,7 +125,7 @@ Result<void> write_image(StandaloneDevice& device, const DeviceImage& image,
                            &copy);
     record_transition(commands, image, kImageCopyTarget, use);
   });
-  if (!submitted) return failed(submitted.error());
+  if (!submitted) return fail(submitted.error());
   return {};
 }
 
@@ -137,7 +133,7 @@ Result<std::vector<std::byte>> read_image(StandaloneDevice& device, const Device
                                           const ImageUse& use, VkDeviceSize texel_byte_count) {
   const VkDeviceSize bytes = texel_byte_count * image.extent.width * image.extent.height;
   auto readback = make_device_buffer(device, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryKind::readback);
-  if (!readback) return failed(readback.error());
+  if (!readback) return fail(readback.error());
   const VkBufferImageCopy copy = whole(image);
   const auto submitted = device.submit([&](VkCommandBuffer commands) {
     record_transition(commands, image, use, kImageCopySource);
@@ -145,7 +141,7 @@ Result<std::vector<std::byte>> read_image(StandaloneDevice& device, const Device
                            &copy);
     record_transition(commands, image, kImageCopySource, use);
   });
-  if (!submitted) return failed(submitted.error());
+  if (!submitted) return fail(submitted.error());
   return std::vector<std::byte>(readback->mapped, readback->mapped + bytes);
 }
 
@@ -161,7 +157,7 @@ Result<DeviceImage> make_lightmap_target(StandaloneDevice& device, const Lightma
   const std::size_t bytes = needed.format == VK_FORMAT_R16G16B16A16_SFLOAT ? 8 : 4;
   const std::vector<std::byte> black(texels * bytes);
   if (auto written = write_image(device, *image, black, kImageWritten); !written)
-    return failed(written.error());
+    return fail(written.error());
   return image;
 }
 

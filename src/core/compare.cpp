@@ -20,7 +20,7 @@ double relative_error(double absolute, double magnitude, double floor) {
   return absolute == 0.0 ? 0.0 : absolute / std::max(std::abs(magnitude), floor);
 }
 
-double largest(std::span<const Rgb> values) {
+double largest_channel(std::span<const Rgb> values) {
   double result = 0.0;
   for (const Rgb& value : values) {
     for (int channel = 0; channel < 3; ++channel) result = std::max(result, std::abs(value[channel]));
@@ -46,7 +46,7 @@ Comparison compare(std::string name, std::span<const Rgb> values, std::span<cons
   Comparison result;
   result.name = std::move(name);
   result.count = values.size();
-  const double floor = 1e-4 * largest(magnitudes);
+  const double floor = 1e-4 * largest_channel(magnitudes);
   double sum_of_squares = 0.0;
   for (std::size_t index = 0; index < values.size(); ++index) {
     for (int channel = 0; channel < 3; ++channel) {

@@ -13,7 +13,7 @@ namespace relume {
 namespace {
 
 /// Solutions with errors of random sign, and bounces of each at most.
-constexpr std::uint32_t kDraws = 4, kMostBounces = 32;
+constexpr std::uint32_t kNoiseDraws = 4, kMostBounces = 32;
 /// Bounces end once they add no more than this part.
 constexpr double kSmallPart = 0.01;
 
@@ -125,7 +125,7 @@ std::vector<Rgb> follow_errors(const SenderMatrix& bounce, const std::vector<Rgb
 }
 
 void add_squares(const std::vector<Rgb>& values, std::vector<Rgb>& sums) {
-  for (std::size_t i = 0; i < values.size(); ++i) sums[i] += values[i] * values[i] / double(kDraws);
+  for (std::size_t i = 0; i < values.size(); ++i) sums[i] += values[i] * values[i] / double(kNoiseDraws);
 }
 
 }  // namespace
@@ -148,7 +148,7 @@ std::optional<RayNoise> ray_noise(const Model& model, const ReferenceMatrices& m
   std::vector<Rgb> deviation;
   for (std::size_t i = 0; i < radiosity.size(); ++i)
     deviation.push_back(lighting.albedo[i] * glm::sqrt(noise.radiosity[i]));
-  for (std::uint32_t draw = 0; draw < kDraws; ++draw) {
+  for (std::uint32_t draw = 0; draw < kNoiseDraws; ++draw) {
     std::vector<Rgb> source = deviation;
     for (std::size_t i = 0; i < source.size(); ++i)
       if ((mix(i, draw) & 1u) != 0) source[i] = -source[i];

@@ -6,6 +6,7 @@
 #include <new>
 #include <system_error>
 
+#include "core/decode_sections.h"
 #include "core/model_file.h"
 
 namespace relume {
@@ -35,22 +36,21 @@ Result<std::vector<std::byte>> read_bytes(const fs::path& file) {
   return bytes;
 }
 
-/// A file and what is made from it are there at once.
-tl::unexpected<Error> no_memory(const fs::path& file) {
+}  // namespace
+
+tl::unexpected<Error> no_memory_to_read(const fs::path& file) {
   std::error_code error;
   const std::uintmax_t size = fs::file_size(file, error);
   return fail(ErrorCode::out_of_memory,
-              fmt::format("{}: memory ran out: expected about {} bytes to read it, found less", file.string(),
+              fmt::format("{}: memory ran out: expected up to {} bytes to read it, found less", file.string(),
                           error ? 0 : 2 * size));
 }
-
-}  // namespace
 
 Result<std::vector<std::byte>> read_file(const fs::path& file) {
   try {
     return read_bytes(file);
   } catch (const std::bad_alloc&) {
-    return no_memory(file);
+    return no_memory_to_read(file);
   }
 }
 
@@ -60,7 +60,7 @@ Result<Model> read_model(const fs::path& file) {
     if (!bytes) return tl::unexpected(bytes.error());
     return decode_model(*bytes, file.string());
   } catch (const std::bad_alloc&) {
-    return no_memory(file);
+    return no_memory_to_read(file);
   }
 }
 

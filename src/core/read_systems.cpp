@@ -109,14 +109,6 @@ Result<Model> read_chosen(SectionFile& file, const std::vector<bool>& chosen) {
   return decode_sections(wanted, chosen, file.name());
 }
 
-tl::unexpected<Error> no_memory(const fs::path& file) {
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(file, error);
-  return fail(ErrorCode::out_of_memory,
-              fmt::format("{}: memory ran out: expected up to {} bytes to read it, found less", file.string(),
-                          error ? 0 : 2 * size));
-}
-
 }  // namespace
 
 Result<std::vector<std::string>> read_system_names(const fs::path& path) {
@@ -125,7 +117,7 @@ Result<std::vector<std::string>> read_system_names(const fs::path& path) {
     if (!file) return tl::unexpected(file.error());
     return system_names(*file);
   } catch (const std::bad_alloc&) {
-    return no_memory(path);
+    return no_memory_to_read(path);
   }
 }
 
@@ -139,7 +131,7 @@ Result<Model> read_systems(const fs::path& path, std::span<const std::string> na
     if (!chosen) return tl::unexpected(chosen.error());
     return read_chosen(*file, *chosen);
   } catch (const std::bad_alloc&) {
-    return no_memory(path);
+    return no_memory_to_read(path);
   }
 }
 

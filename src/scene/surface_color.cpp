@@ -12,8 +12,6 @@
 namespace relume {
 namespace {
 
-using Corners = PieceCorners;
-
 const SceneSurface& surface_of(const Scene& scene, std::uint32_t triangle) {
   const auto after = std::upper_bound(
       scene.surfaces.begin(), scene.surfaces.end(), triangle,
@@ -83,7 +81,7 @@ struct ColoredTriangle {
   }
 
   /// How many texels a piece covers.
-  double texels(const std::optional<TextureUse>& use, const Corners& corners) const {
+  double texels(const std::optional<TextureUse>& use, const PieceCorners& corners) const {
     if (!use) return 0.0;
     std::array<glm::dvec2, 3> p{};
     const SceneImage& image = scene.images[use->image];
@@ -97,7 +95,7 @@ struct ColoredTriangle {
   }
 };
 
-std::uint32_t sample_count(const ColoredTriangle& triangle, const Corners& corners) {
+std::uint32_t sample_count(const ColoredTriangle& triangle, const PieceCorners& corners) {
   const double texels = std::max(triangle.texels(triangle.material.base_color_texture, corners),
                                  triangle.texels(triangle.material.emission_texture, corners));
   return piece_sample_count(texels);
@@ -141,7 +139,7 @@ std::uint32_t material_of(const Scene& scene, const System& system, const Cluste
 
 }  // namespace
 
-SurfaceColor mean_color(const Scene& scene, std::uint32_t triangle, const Corners& corners) {
+SurfaceColor mean_color(const Scene& scene, std::uint32_t triangle, const PieceCorners& corners) {
   const SceneSurface& surface = surface_of(scene, triangle);
   const SceneMaterial& material = scene.materials[surface.material];
   if (material.unlit) return {};

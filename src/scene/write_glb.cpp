@@ -17,7 +17,7 @@
 namespace relume {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 using Bytes = std::vector<std::byte>;
 
 constexpr int kArrayBuffer = 34962;
@@ -35,8 +35,8 @@ void pad(Bytes& bytes, std::byte filler) {
 }
 
 template <class V>
-Json numbers(const V& vector, int count) {
-  Json out = Json::array();
+OrderedJson numbers(const V& vector, int count) {
+  OrderedJson out = OrderedJson::array();
   for (int i = 0; i < count; ++i) out.push_back(vector[i]);
   return out;
 }
@@ -62,7 +62,7 @@ class Encoder {
            {"perspective", {{"yfov", camera.vertical_field_of_view}, {"znear", 0.01}}}});
     }
     for (const auto& image : scene_.images) write_image(image);
-    if (!binary_.empty()) json_["buffers"] = Json::array({{{"byteLength", binary_.size()}}});
+    if (!binary_.empty()) json_["buffers"] = OrderedJson::array({{{"byteLength", binary_.size()}}});
     if (!extensions_.empty()) json_["extensionsUsed"] = extensions_;
     return assembled();
   }
@@ -75,7 +75,7 @@ class Encoder {
 
   std::size_t add_view(std::span<const std::byte> bytes, int target) {
     pad(binary_, std::byte{0});
-    Json view = {{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", bytes.size()}};
+    OrderedJson view = {{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", bytes.size()}};
     if (target != 0) view["target"] = target;
     binary_.insert(binary_.end(), bytes.begin(), bytes.end());
     json_["bufferViews"].push_back(std::move(view));
@@ -92,7 +92,8 @@ class Encoder {
   }
 
   template <class T>
-  void add_attribute(Json& attributes, const char* name, const std::vector<T>& values, const char* type) {
+  void add_attribute(OrderedJson& attributes, const char* name, const std::vector<T>& values,
+                     const char* type) {
     if (!values.empty()) attributes[name] = add_accessor(values, kFloat, type, kArrayBuffer, values.size());
   }
 
@@ -109,9 +110,9 @@ class Encoder {
   }
 
   void write_mesh(const GlbMesh& mesh) {
-    Json primitives = Json::array();
+    OrderedJson primitives = OrderedJson::array();
     for (const auto& primitive : mesh.primitives) {
-      Json attributes = Json::object();
+      OrderedJson attributes = OrderedJson::object();
       add_attribute(attributes, "POSITION", primitive.positions, "VEC3");
       glm::vec3 low(std::numeric_limits<float>::infinity());
       glm::vec3 high = -low;
@@ -125,14 +126,14 @@ class Encoder {
       add_attribute(attributes, "TEXCOORD_0", primitive.uv0, "VEC2");
       add_attribute(attributes, "TEXCOORD_1", primitive.uv1, "VEC2");
       add_attribute(attributes, "COLOR_0", primitive.colors, "VEC4");
-      Json out = {{"attributes", std::move(attributes)}, {"indices", add_indices(primitive)}};
+      OrderedJson out = {{"attributes", std::move(attributes)}, {"indices", add_indices(primitive)}};
       if (primitive.material) out["material"] = *primitive.material;
       primitives.push_back(std::move(out));
     }
     json_["meshes"].push_back({{"name", mesh.name}, {"primitives", std::move(primitives)}});
   }
 
-  Json texture_info(const GlbTexture& texture) {
+  OrderedJson texture_info(const GlbTexture& texture) {
     const int wrap = texture.wrap == WrapMode::clamp_to_edge     ? 33071
                      : texture.wrap == WrapMode::mirrored_repeat ? 33648
                                                                  : 10497;
@@ -142,22 +143,22 @@ class Encoder {
   }
 
   void write_material(const GlbMaterial& material) {
-    Json pbr = {
+    OrderedJson pbr = {
         {"baseColorFactor", {material.base_color.x, material.base_color.y, material.base_color.z, 1.0}},
         {"metallicFactor", 0.0},
         {"roughnessFactor", 1.0}};
     if (material.base_color_texture) pbr["baseColorTexture"] = texture_info(*material.base_color_texture);
-    Json out = {{"name", material.name}, {"pbrMetallicRoughness", std::move(pbr)}};
+    OrderedJson out = {{"name", material.name}, {"pbrMetallicRoughness", std::move(pbr)}};
     write_emission(material, out);
     if (material.double_sided) out["doubleSided"] = true;
     if (material.unlit) {
       use_extension("KHR_materials_unlit");
-      out["extensions"]["KHR_materials_unlit"] = Json::object();
+      out["extensions"]["KHR_materials_unlit"] = OrderedJson::object();
     }
     json_["materials"].push_back(std::move(out));
   }
 
-  void write_emission(const GlbMaterial& material, Json& out) {
+  void write_emission(const GlbMaterial& material, OrderedJson& out) {
     const double largest = std::max({material.emission.x, material.emission.y, material.emission.z});
     if (largest <= 0.0) return;
     // A power of two, so that factor x strength gives the same number back.
@@ -173,7 +174,7 @@ class Encoder {
     use_extension("KHR_lights_punctual");
     const double intensity = std::max({light.intensity.x, light.intensity.y, light.intensity.z});
     const Rgb color = intensity > 0.0 ? light.intensity / intensity : Rgb(1.0);
-    Json out;
+    OrderedJson out;
     if (!light.name.empty()) out["name"] = light.name;
     out["type"] = light.type == LightType::spot          ? "spot"
                   : light.type == LightType::directional ? "directional"
@@ -192,8 +193,8 @@ class Encoder {
     json_["images"].push_back({{"bufferView", view}, {"mimeType", "image/png"}});
   }
 
-  static Json relume_extras(const NodeExtras& extras) {
-    Json out = Json::object();
+  static OrderedJson relume_extras(const NodeExtras& extras) {
+    OrderedJson out = OrderedJson::object();
     if (extras.is_static) out["static"] = *extras.is_static;
     if (extras.receiver) out["receiver"] = *extras.receiver;
     if (extras.system) out["system"] = *extras.system;
@@ -205,21 +206,21 @@ class Encoder {
   }
 
   void write_nodes() {
-    Json roots = Json::array();
-    std::vector<Json> children(scene_.nodes.size(), Json::array());
+    OrderedJson roots = OrderedJson::array();
+    std::vector<OrderedJson> children(scene_.nodes.size(), OrderedJson::array());
     for (std::size_t i = 0; i < scene_.nodes.size(); ++i) {
       const auto& parent = scene_.nodes[i].parent;
       (parent ? children[*parent] : roots).push_back(i);
     }
     json_["scene"] = 0;
-    json_["scenes"] = Json::array({{{"nodes", std::move(roots)}}});
+    json_["scenes"] = OrderedJson::array({{{"nodes", std::move(roots)}}});
     for (std::size_t i = 0; i < scene_.nodes.size(); ++i) {
       json_["nodes"].push_back(node_json(scene_.nodes[i], std::move(children[i])));
     }
   }
 
-  static Json node_json(const GlbNode& node, Json children) {
-    Json out;
+  static OrderedJson node_json(const GlbNode& node, OrderedJson children) {
+    OrderedJson out;
     out["name"] = node.name;
     if (!is_identity(node.transform)) {
       for (int column = 0; column < 4; ++column) {
@@ -230,7 +231,7 @@ class Encoder {
     if (node.mesh) out["mesh"] = *node.mesh;
     if (node.camera) out["camera"] = *node.camera;
     if (node.light) out["extensions"]["KHR_lights_punctual"]["light"] = *node.light;
-    if (Json extras = relume_extras(node.extras); !extras.empty())
+    if (OrderedJson extras = relume_extras(node.extras); !extras.empty())
       out["extras"]["relume"] = std::move(extras);
     return out;
   }
@@ -257,7 +258,7 @@ class Encoder {
   }
 
   const GlbScene& scene_;
-  Json json_;
+  OrderedJson json_;
   Bytes binary_;
   std::vector<std::string> extensions_;
 };

@@ -10,6 +10,7 @@
 #include "core/model_file.h"
 #include "core/row_certificate.h"
 #include "core/same_surfaces.h"
+#include "tool/full_rows.h"
 #include "tool/interrupt.h"
 
 namespace relume {
@@ -48,7 +49,8 @@ void rate(const Model& model, const std::vector<Rgb>& answer, AnswerCertificate&
 Result<AnswerCertificate> certify_answer(const Model& model, const SolveOutcome& outcome,
                                          const std::filesystem::path& full, const LightingOptions& options,
                                          Console& console) {
-  const Result<Model> other = read_model(full);
+  const Result<Model> other =
+      full.extension() == ".rows" ? full_rows(full, model, options.scene, console) : read_model(full);
   if (!other) return tl::unexpected(other.error());
   const Result<SameSurfaces> same = same_surfaces(*other, model);
   if (!same) return fail(same.error().code, full.string() + ": " + same.error().message);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// `solve --certify FULL`: how far the answer is from that of the rows of another file.
+// `solve --certify FULL`: how far the answer is from that of full rows.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,8 @@ struct AnswerCertificate {
   std::uint32_t products = 0;
 };
 
-/// Of what `outcome` solved. `full` must have the same surfaces (core/same_surfaces.h).
+/// Of what `outcome` solved. `full` is a model that must have the same surfaces (core/same_surfaces.h), or a
+/// .rows file of this one (full_rows.h).
 Result<AnswerCertificate> certify_answer(const Model& model, const SolveOutcome& outcome,
                                          const std::filesystem::path& full, const LightingOptions& options,
                                          Console& console);

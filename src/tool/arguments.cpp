@@ -198,9 +198,10 @@ class Parser {
         .add_flag("--bounds", solve_.bounds,
                   "Also between which values the answer lies that rows had before they were cut and stored")
         ->excludes(systems);
-    add_path(command, "--certify", "FULL", solve_.certify,
-             "Also how far the answer is from what the rows of this file give: of the same scene and sizes, "
-             "without budget")
+    add_path(
+        command, "--certify", "FULL", solve_.certify,
+        "Also how far the answer is from what full rows give: those of the rays in FILE.rows, or of a file "
+        "of the same scene and sizes without budget")
         ->excludes(systems);
     add_solver(command, solve_.solver, true);
     std::vector<std::string> methods{"auto"};

@@ -28,13 +28,13 @@ Camera camera_at(const ViewedScene& scene, const glm::dvec3& eye, const glm::dve
   return camera;
 }
 
-struct Candidate {
+struct EyeCandidate {
   Camera camera;
   double bonus = 0.0;
 };
 
 void add_inner_views(const ViewedScene& scene, const std::vector<Eye>& eyes,
-                     std::vector<Candidate>& candidates) {
+                     std::vector<EyeCandidate>& candidates) {
   for (const Eye& eye : eyes) {
     for (int yaw = 0; yaw < kYaws; ++yaw) {
       const double angle = 2.0 * kPi * yaw / kYaws;
@@ -47,7 +47,7 @@ void add_inner_views(const ViewedScene& scene, const std::vector<Eye>& eyes,
 }
 
 void add_outer_views(const ViewedScene& scene, const Bounds& bounds, double bonus,
-                     std::vector<Candidate>& candidates) {
+                     std::vector<EyeCandidate>& candidates) {
   const glm::dvec3 middle = 0.5 * (bounds.low + bounds.high);
   for (int yaw = 0; yaw < kYaws; ++yaw) {
     const double angle = 2.0 * kPi * (yaw + 0.5) / kYaws;
@@ -64,11 +64,11 @@ bool shines(const Sky& sky) {
 }
 
 /// Views from outside are preferred where most eyes see a sky that shines.
-std::vector<Candidate> cameras_tried(const ViewedScene& scene, const Bounds& bounds) {
+std::vector<EyeCandidate> cameras_tried(const ViewedScene& scene, const Bounds& bounds) {
   const std::vector<Eye> eyes = eyes_in_free_space(scene.model, scene.caster, bounds.diagonal());
   const auto open =
       std::count_if(eyes.begin(), eyes.end(), [](const Eye& eye) { return eye.enclosed < 0.7; });
-  std::vector<Candidate> candidates;
+  std::vector<EyeCandidate> candidates;
   add_inner_views(scene, eyes, candidates);
   const bool outdoors = 2 * open > std::ssize(eyes) && shines(scene.sky);
   add_outer_views(scene, bounds, outdoors ? 0.7 : 0.0, candidates);
@@ -167,7 +167,7 @@ Camera choose_camera(const ViewedScene& scene) {
   if (scene.model.camera && shows_the_scene(look_through(scene, *scene.model.camera, diagonal, dark))) {
     return *scene.model.camera;
   }
-  const std::vector<Candidate> candidates = cameras_tried(scene, bounds);
+  const std::vector<EyeCandidate> candidates = cameras_tried(scene, bounds);
   std::vector<double> scores(candidates.size());
   tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
     scores[i] = interest(look_through(scene, candidates[i].camera, diagonal, dark)) + candidates[i].bonus;

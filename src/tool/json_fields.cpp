@@ -54,6 +54,11 @@ Result<Json> read_json_file(const std::filesystem::path& file) {
   }
 }
 
+std::string json_name(const std::string& name) {
+  const std::string quoted = Json(name).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return quoted.substr(1, quoted.size() - 2);
+}
+
 std::string json_path(std::string_view path, std::size_t index) {
   return fmt::format("{}/{}", path, index);
 }
@@ -76,7 +81,8 @@ const Json* JsonFields::find(const std::string& key) {
 }
 
 void JsonFields::reject(const std::string& key, std::string_view expected, std::string_view found) {
-  if (!error_) error_ = fmt::format("{}: {}/{}: expected {}, found {}.", file_, path_, key, expected, found);
+  if (error_) return;
+  error_ = fmt::format("{}: {}/{}: expected {}, found {}.", file_, path_, json_name(key), expected, found);
 }
 
 void JsonFields::require(const std::string& key) {

@@ -59,6 +59,9 @@ class JsonFields {
   std::optional<std::string> error_;
 };
 
+/// A name as JSON writes it, without its quotes: whatever is in it, in one line.
+std::string json_name(const std::string& name);
+
 /// JSON path of entry `index` of the array at `path`.
 std::string json_path(std::string_view path, std::size_t index);
 

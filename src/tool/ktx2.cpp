@@ -25,7 +25,7 @@ constexpr std::uint32_t kLevelIndexBytes = 24;  ///< of one level
 constexpr std::uint32_t kExponent = 0x20, kSigned = 0x40, kFloat = 0x80;
 constexpr std::uint32_t kRed = 0, kGreen = 1, kBlue = 2, kAlpha = 15;
 
-class Bytes {
+class ByteWriter {
  public:
   template <class Value>
   void put(const Value& value) {
@@ -36,7 +36,7 @@ class Bytes {
     const auto bytes = std::as_bytes(std::span(text));
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   }
-  void put(const Bytes& other) { bytes_.insert(bytes_.end(), other.bytes_.begin(), other.bytes_.end()); }
+  void put(const ByteWriter& other) { bytes_.insert(bytes_.end(), other.bytes_.begin(), other.bytes_.end()); }
   void pad(std::size_t alignment) { bytes_.resize((bytes_.size() + alignment - 1) / alignment * alignment); }
   std::uint32_t size() const { return static_cast<std::uint32_t>(bytes_.size()); }
   std::vector<std::byte> take() { return std::move(bytes_); }
@@ -101,9 +101,9 @@ Description description_of(LightmapFormat format) {
 }
 
 /// One basic descriptor block: RGBSDA, BT.709 primaries, linear, straight alpha, blocks of one texel.
-Bytes data_format_descriptor(const Description& description) {
+ByteWriter data_format_descriptor(const Description& description) {
   const auto block_bytes = static_cast<std::uint32_t>(24 + 16 * description.samples.size());
-  Bytes out;
+  ByteWriter out;
   out.put(4 + block_bytes);
   out.put(std::uint32_t{0});
   out.put(std::uint32_t{2} | (block_bytes << 16));  // version 1.3
@@ -121,9 +121,9 @@ Bytes data_format_descriptor(const Description& description) {
 }
 
 /// Keys ascend.
-Bytes key_value_data() {
+ByteWriter key_value_data() {
   constexpr std::string_view kZero("\0", 1);
-  Bytes out;
+  ByteWriter out;
   for (const std::array<std::string_view, 2>& pair :
        {std::array<std::string_view, 2>{"KTXorientation", "rd"}, {"KTXwriter", "relume " RELUME_VERSION}}) {
     out.put(static_cast<std::uint32_t>(pair[0].size() + pair[1].size() + 2));
@@ -136,9 +136,9 @@ Bytes key_value_data() {
   return out;
 }
 
-Bytes texels_of(const ColorImage& image, LightmapFormat format) {
+ByteWriter texels_of(const ColorImage& image, LightmapFormat format) {
   const auto bits = [](float value) { return std::bit_cast<std::uint32_t>(value); };
-  Bytes out;
+  ByteWriter out;
   for (const glm::vec3& pixel : image.pixels) {
     const std::uint32_t red = bits(pixel.r), green = bits(pixel.g), blue = bits(pixel.b);
     if (format == LightmapFormat::r11g11b10f) out.put(kernels::pack_r11g11b10f(red, green, blue));
@@ -159,16 +159,16 @@ Bytes texels_of(const ColorImage& image, LightmapFormat format) {
 
 std::vector<std::byte> encode_ktx2(const ColorImage& image, LightmapFormat format) {
   const Description description = description_of(format);
-  const Bytes descriptor = data_format_descriptor(description);
-  const Bytes pairs = key_value_data();
-  const Bytes texels = texels_of(image, format);
+  const ByteWriter descriptor = data_format_descriptor(description);
+  const ByteWriter pairs = key_value_data();
+  const ByteWriter texels = texels_of(image, format);
   const std::uint32_t descriptor_offset = kHeaderBytes + kLevelIndexBytes;
   const std::uint32_t pairs_offset = descriptor_offset + descriptor.size();
   const std::uint64_t end = pairs_offset + pairs.size();
   const std::uint64_t level_offset =
       (end + description.texel_bytes - 1) / description.texel_bytes * description.texel_bytes;
 
-  Bytes file;
+  ByteWriter file;
   file.put(kIdentifier);
   // Format; size of a type; width, height, depth; layers, faces, levels; compression.
   for (const std::uint32_t word :

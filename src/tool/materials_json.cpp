@@ -20,14 +20,14 @@ std::string known_names(const Model& model) {
       names.push_back(fmt::format("... ({} in all)", model.materials.size()));
       break;
     }
-    names.push_back(material.name);
+    names.push_back(json_name(material.name));
   }
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
 Result<MaterialOverride> read_override(const Json& json, const std::string& name, const std::string& file,
                                        const Model& model) {
-  const std::string path = "/materials/" + name;
+  const std::string path = "/materials/" + json_name(name);
   const auto record = std::find_if(model.materials.begin(), model.materials.end(),
                                    [&](const MaterialRecord& material) { return material.name == name; });
   if (record == model.materials.end()) {

@@ -12,6 +12,7 @@
 #include "measure/statistics.h"
 #include "precompute/direct_irradiance.h"
 #include "precompute/row_plan.h"
+#include "tool/cluster_refinement.h"
 
 namespace relume {
 namespace {
@@ -83,7 +84,9 @@ std::uint64_t halving_bytes(const Model& model) {
 
 Result<NamedErrors> name_errors(const Model& model, const LightingSetup& setup, const SolveOutcome& outcome) {
   NamedErrors errors;
-  errors.clusters = estimated(model, "clusters");
+  const auto clusters = cluster_size_error(model, setup, outcome);
+  if (!clusters) return tl::unexpected(clusters.error());
+  errors.clusters = *clusters;
   errors.cut = estimated(model, "cut");
   errors.precision = worst_precision(model);
   errors.iteration = outcome.solution.error_bound;
@@ -98,9 +101,10 @@ Result<NamedErrors> name_errors(const Model& model, const LightingSetup& setup, 
 }
 
 std::string errors_sentence(const NamedErrors& errors) {
-  const bool estimated = errors.clusters.has_value();
+  const bool estimated = errors.cut.has_value();
   return fmt::format(
-      "errors by cause: cluster size {}, cut {} ({}), rays {} ({}), stored values {:.2g} %, light {}, "
+      "errors by cause: cluster size {} (clusters taken apart before a sample of lumels), cut {} ({}), rays "
+      "{} ({}), stored values {:.2g} %, light {}, "
       "iteration "
       "{:.2g} %",
       percent(errors.clusters), percent(errors.cut),

@@ -14,8 +14,9 @@
 namespace relume {
 
 struct NamedErrors {
+  std::optional<double> clusters;  ///< their size, for the lights that shine (cluster_refinement.h)
   /// Estimated by the precompute for lights that it had not seen; absent where it had no error target.
-  std::optional<double> clusters, cut;
+  std::optional<double> cut;
   std::optional<double> rays;     ///< of `noise`; absent without light
   std::optional<RayNoise> noise;  ///< standard errors for the lights that shine
   double precision = 0.0;         ///< of stored values, at most, at an albedo of 0.8

@@ -20,7 +20,7 @@ struct SolveArguments {
   std::vector<std::string> systems;         ///< the only ones to load; empty: all
   std::optional<double> missing_radiosity;  ///< lm/m2, the most that a surface of the others has
   bool bounds = false;                      ///< also between which values the answer of the full rows lies
-  std::filesystem::path certify;            ///< a file whose rows the answer is held against; empty: none
+  std::filesystem::path certify;            ///< a file of full rows, or of rays; empty: none
   std::optional<LightmapFormat> ktx2;       ///< lightmaps as .ktx2 as well
   LightingOptions lighting;
   SolverChoice solver;

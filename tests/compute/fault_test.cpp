@@ -5,12 +5,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <set>
 #include <string>
 
 #include "compute/device_fixture.h"
+#include "compute/direct_light.h"
 #include "compute/guest_solver.h"
+#include "compute/host_image.h"
+#include "compute/light_cache.h"
+#include "compute/lightmap_pass.h"
+#include "compute/screen_pass.h"
 #include "compute/test_models.h"
+#include "support/quad_model.h"
 
 namespace relume::test {
 namespace {
@@ -45,6 +52,52 @@ class FaultTest : public DeviceTest {
     return {};
   }
 
+  /// Every call of `make` that can fail is made to, in each way, and the names of those calls are returned.
+  /// `make` destroys what it makes, and finds new memory each time.
+  std::set<std::string> failing_calls(const std::function<Result<void>(const HostDevice&)>& make) {
+    CountingCallbacks callbacks;
+    const HostDevice host = faulty_host(callbacks);
+    memory_.emplace(device(), VkDeviceSize{16} << 20, kUsage);
+    inject_fault(-1, VK_SUCCESS);
+    const auto unharmed = make(host);
+    EXPECT_TRUE(unharmed) << unharmed.error().message;
+    const int calls = fallible_calls();
+    std::set<std::string> failed;
+    for (const VkResult result : {VK_ERROR_DEVICE_LOST, VK_ERROR_OUT_OF_DEVICE_MEMORY}) {
+      for (int call = 0; call < calls; ++call) {
+        memory_.emplace(device(), VkDeviceSize{16} << 20, kUsage);
+        inject_fault(call, result);
+        const auto made = make(host);
+        EXPECT_FALSE(made) << "call " << call << ", " << failed_call();
+        if (made) continue;
+        EXPECT_EQ(made.error().code,
+                  result == VK_ERROR_DEVICE_LOST ? ErrorCode::no_device : ErrorCode::out_of_memory);
+        EXPECT_THAT(made.error().message, HasSubstr("failed: "));
+        EXPECT_EQ(fallible_calls(), call + 1) << "nothing is called after the failure of " << failed_call();
+        failed.insert(failed_call());
+        EXPECT_EQ(callbacks.living(), 0) << failed_call();
+      }
+    }
+    inject_fault(-1, VK_SUCCESS);
+    return failed;
+  }
+
+  BufferRange range(VkDeviceSize bytes) { return *memory_->allocate({"range", bytes, 256, 0}); }
+  ClusterColorRanges colors() { return {range(16), range(16)}; }
+  std::vector<BufferRange> ranges_of(std::span<const BufferRequirement> needed) {
+    std::vector<BufferRange> ranges;
+    for (const BufferRequirement& buffer : needed) ranges.push_back(*memory_->allocate(buffer));
+    return ranges;
+  }
+
+  Result<void> make_lightmap(const HostDevice& host, const System& system) {
+    auto pass = LightmapPass::create(host, system, lightmap_texels(system), LightmapFormat::rgba16f);
+    if (!pass) return fail(pass.error());
+    HostImage image = make_lightmap_image(device(), pass->image());
+    return pass->bind(ranges_of(pass->buffers()), {range(16 * system.lumels.size())},
+                      image.view(pass->image().storage_view_format, VK_IMAGE_USAGE_STORAGE_BIT));
+  }
+
   static constexpr VkBufferUsageFlags kUsage =
       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
       VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
@@ -54,33 +107,42 @@ class FaultTest : public DeviceTest {
 };
 
 TEST_F(FaultTest, EveryFailureIsOneErrorAndLeavesNothing) {
-  CountingCallbacks callbacks;
-  const HostDevice host = faulty_host(callbacks);
-  {
-    std::optional<GpuSolver> solver;
-    ASSERT_TRUE(make(host, solver));
-  }
-  const int calls = fallible_calls();
-  EXPECT_GT(calls, 20);
-  std::set<std::string> failed;
-  for (const VkResult result :
-       {VK_ERROR_DEVICE_LOST, VK_ERROR_OUT_OF_DEVICE_MEMORY, VK_ERROR_OUT_OF_HOST_MEMORY}) {
-    for (int call = 0; call < calls; ++call) {
-      std::optional<GpuSolver> solver;
-      inject_fault(call, result);
-      const auto made = make(host, solver);
-      ASSERT_FALSE(made) << "call " << call << ", " << failed_call();
-      EXPECT_EQ(made.error().code,
-                result == VK_ERROR_DEVICE_LOST ? ErrorCode::no_device : ErrorCode::out_of_memory);
-      EXPECT_THAT(made.error().message, HasSubstr("failed: "));
-      EXPECT_EQ(fallible_calls(), call + 1) << "nothing is called after the failure of " << failed_call();
-      failed.insert(failed_call());
-      solver.reset();
-      EXPECT_EQ(callbacks.living(), 0) << failed_call();
-    }
-  }
   // Creation of modules, layouts, pipelines, views, pools and sets.
-  EXPECT_EQ(failed.size(), 7u);
+  EXPECT_EQ(failing_calls([this](const HostDevice& host) {
+              std::optional<GpuSolver> solver;
+              return make(host, solver);
+            }).size(),
+            7u);
+}
+
+TEST_F(FaultTest, PassesFailInTheSameWay) {
+  Model model;
+  add_quad(model, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 4);
+  model.occluders.texture = {{0, {glm::vec2(0, 0), glm::vec2(1, 0), glm::vec2(1, 1)}},
+                             {1, {glm::vec2(0, 0), glm::vec2(1, 1), glm::vec2(0, 1)}}};
+  System& system = model.systems[0];
+  system.lightmap_width = system.lightmap_height = 16;
+  for (const auto& make_pass : std::vector<std::function<Result<void>(const HostDevice&)>>{
+           [&](const HostDevice& host) { return make_lightmap(host, system); },
+           [&](const HostDevice& host) {
+             auto pass = MaterialPass::create(host, model, 0, {});
+             return pass ? pass->bind(ranges_of(pass->buffers()), colors()) : fail(pass.error());
+           },
+           [&](const HostDevice& host) {
+             auto cache = LightCache::create(host, 16, 2);
+             return cache ? cache->bind(ranges_of(cache->buffers()), range(256)) : fail(cache.error());
+           },
+           [&](const HostDevice& host) {
+             auto pass = ScreenPass::create(host, system, texture_footprint(model, 0, 0, 8, 8), {});
+             return pass ? pass->bind(ranges_of(pass->buffers()), colors()) : fail(pass.error());
+           },
+           [&](const HostDevice& host) {
+             auto light = DirectLight::create(host, model, {.max_pairs = 64});
+             return light ? light->bind(ranges_of(light->buffers())) : fail(light.error());
+           }}) {
+    // Modules, layouts, pipelines, pools and sets.
+    EXPECT_GE(failing_calls(make_pass).size(), 5u);
+  }
 }
 
 TEST_F(FaultTest, ALoadThatRanOutOfMemoryMayBeTriedAgain) {

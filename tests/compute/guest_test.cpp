@@ -35,8 +35,7 @@ class GuestTest : public DeviceTest {
     VkCommandPool pool = VK_NULL_HANDLE;
     ASSERT_EQ(vkCreateCommandPool(owner, &pool_info, nullptr, &pool), VK_SUCCESS);
     auto info = vulkan_info<VkCommandBufferAllocateInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO);
-    info.commandPool = pool;
-    info.commandBufferCount = 1;
+    info.commandPool = pool, info.commandBufferCount = 1;
     VkCommandBuffer commands = VK_NULL_HANDLE;
     ASSERT_EQ(vkAllocateCommandBuffers(owner, &info, &commands), VK_SUCCESS);
     const auto begin = vulkan_info<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
@@ -50,7 +49,6 @@ class GuestTest : public DeviceTest {
   Lighting lighting_ = random_lighting(model_, 2);
 };
 
-/// What the tests do most.
 constexpr PassWishes three_bounces() {
   return {.restart = true, .bounces = 3, .residual = true, .gather = true};
 }

@@ -45,8 +45,7 @@ BlockMatrix drawn_f32() {
 //      tile 1    column 1:  51 255   -   -   -   -   -   -     scales 1, 0.25
 BlockMatrix drawn_sqrt8() {
   MatrixBlock block;
-  block.tile_rows = 8;
-  block.codec = ValueCodec::sqrt8;
+  block.tile_rows = 8, block.codec = ValueCodec::sqrt8;
   block.tile_offsets = {0, 2, 3};
   block.columns = {0, 2, 1};
   block.values =
@@ -61,8 +60,7 @@ BlockMatrix drawn_sqrt8() {
 //      column 3: 13107     0  -  -  -  -  -  -     scales 0.5, 1
 BlockMatrix drawn_unorm16() {
   MatrixBlock block;
-  block.tile_rows = 8;
-  block.codec = ValueCodec::unorm16;
+  block.tile_rows = 8, block.codec = ValueCodec::unorm16;
   block.tile_offsets = {0, 2};
   block.columns = {1, 3};
   block.values = bytes_of(std::vector<std::uint16_t>{65535, 13107, 0, 0, 0, 0, 0, 0,  //

@@ -31,6 +31,7 @@ void expect_refused(const std::vector<Mistake>& mistakes, Read read) {
     ASSERT_FALSE(result) << mistake.text;
     EXPECT_EQ(result.error().code, ErrorCode::bad_input);
     EXPECT_THAT(result.error().message, HasSubstr(file.string()));
+    EXPECT_EQ(result.error().message.find('\n'), std::string::npos) << result.error().message;
     EXPECT_THAT(result.error().message, HasSubstr(mistake.sentence)) << mistake.text;
   }
 }
@@ -116,6 +117,8 @@ TEST(MaterialsFile, MistakesAreNamedByTheirPath) {
       {R"({"materials":[]})", "/materials: expected an object"},
       {R"({"materials":{"unobtainium":{}}})",
        "/materials/unobtainium: expected a material of the model (" + name},
+      {R"({"materials":{"a\nb":{}}})", R"(/materials/a\nb: expected a material of the model)"},
+      {R"({"mater\nials":{}})", "/materials: expected a value"},
       {R"({"materials":{")" + name + R"(":{"albedo":[2,0,0]}}})",
        "/materials/" + name + "/albedo: expected three numbers from 0 to 1, found [2,0,0]"},
       {R"({"materials":{")" + name + R"(":{"emission":7}}})",

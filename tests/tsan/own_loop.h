@@ -102,8 +102,11 @@ class enumerable_thread_specific {
     return values_.emplace_back(make_());
   }
 
+  auto begin() { return values_.begin(); }
+  auto end() { return values_.end(); }
   auto begin() const { return values_.begin(); }
   auto end() const { return values_.end(); }
+  void clear() { owners_.clear(), values_.clear(); }
 
  private:
   std::function<Value()> make_;

@@ -11,7 +11,7 @@
 namespace relume {
 namespace {
 
-constexpr int kSweeps = 6;
+constexpr int kGroupingSweeps = 6;
 constexpr int kSteps = 5;  // of Lloyd
 
 /// Random signs after some averages, scaled to mean squares of 1 by area.
@@ -21,7 +21,7 @@ std::vector<RoomFunctions> relaxed_signs(const SenderMatrix& matrix, const std::
     const std::uint64_t bits = mix(0x47524f5550ull, i);
     for (std::size_t f = 0; f < kRoomFunctions; ++f) values[i][f] = bits >> f & 1u ? 1.0f : -1.0f;
   }
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  for (int sweep = 0; sweep < kGroupingSweeps; ++sweep) {
     average_over_view(matrix, values, next);
     values.swap(next);
   }

@@ -9,7 +9,7 @@ namespace relume {
 namespace {
 
 /// Times that the residual may be this much above the best so far before the interval is taken to be wrong.
-constexpr int kPatience = 2;
+constexpr int kGrowingTimes = 2;
 constexpr double kGrowth = 10.0;
 
 /// The residual may rise at first, by the shape of the polynomials; not by far, and not for long.
@@ -19,7 +19,7 @@ class GrowthWatch {
     const Rgb limit = kGrowth * solve.best_weighted_change();
     const bool small = glm::all(glm::lessThanEqual(solve.weighted_change(), limit));
     times_ = small ? 0 : times_ + 1;
-    return times_ >= kPatience;
+    return times_ >= kGrowingTimes;
   }
 
  private:

@@ -14,7 +14,7 @@ namespace {
 /// A correction may raise the weighted residual at first: it changes a whole room, and the largest change of
 /// the next bounce may be at a door. Within so many bounces, each of which is corrected again, the residual
 /// must be the smallest so far.
-constexpr int kPatience = 4;
+constexpr int kBouncesWithoutFall = 4;
 /// After so many corrections in a row that were taken back, plain bounces go on.
 constexpr int kMaxTakenBack = 3;
 
@@ -51,7 +51,7 @@ class Corrections {
       bounces_without_fall_[channel] = 0;
       return false;
     }
-    return ++bounces_without_fall_[channel] >= kPatience;
+    return ++bounces_without_fall_[channel] >= kBouncesWithoutFall;
   }
   void take_back(int channel, std::vector<Rgb>& bounced) {
     ++taken_back_[channel];

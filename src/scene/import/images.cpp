@@ -27,13 +27,13 @@ const stbi_uc* stb_bytes(std::span<const std::byte> encoded) {
   return reinterpret_cast<const stbi_uc*>(encoded.data());
 }
 
-struct Size {
+struct ImageSize {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
 };
 
-Result<Size> checked_size(std::span<const std::byte> encoded, std::uint64_t max_pixels,
-                          const std::string& file, const std::string& place, const char* expected) {
+Result<ImageSize> checked_size(std::span<const std::byte> encoded, std::uint64_t max_pixels,
+                               const std::string& file, const std::string& place, const char* expected) {
   int width = 0;
   int height = 0;
   int channels = 0;
@@ -47,7 +47,7 @@ Result<Size> checked_size(std::span<const std::byte> encoded, std::uint64_t max_
     return import_error(file, place, fmt::format("at most {} pixels", max_pixels),
                         fmt::format("{} x {}", width, height));
   }
-  return Size{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
+  return ImageSize{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
 }
 
 }  // namespace

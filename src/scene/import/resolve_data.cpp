@@ -15,7 +15,7 @@ namespace relume {
 namespace {
 
 using Json = nlohmann::json;
-using Bytes = std::span<const std::byte>;
+using ByteSpan = std::span<const std::byte>;
 
 constexpr const char* kMeshopt = "EXT_meshopt_compression";
 
@@ -35,11 +35,11 @@ std::uint64_t remaining_bytes(const Source& source, const GltfData& data) {
   return taken < source.limits.max_file_bytes ? source.limits.max_file_bytes - taken : 0;
 }
 
-Result<Bytes> read_owned(const Source& source, const std::string& place, const std::string& uri,
-                         GltfData& data) {
+Result<ByteSpan> read_owned(const Source& source, const std::string& place, const std::string& uri,
+                            GltfData& data) {
   auto bytes = read_uri(source.scene_file, place, uri, remaining_bytes(source, data));
   if (!bytes) return tl::unexpected(bytes.error());
-  return Bytes(data.owned.emplace_back(std::move(*bytes)));
+  return ByteSpan(data.owned.emplace_back(std::move(*bytes)));
 }
 
 /// Buffers that hold bytes which some view needs.
@@ -52,11 +52,11 @@ std::set<std::size_t> needed_buffers(const Json& document) {
   return needed;
 }
 
-Result<Bytes> load_buffer(const Source& source, std::size_t index, GltfData& data) {
+Result<ByteSpan> load_buffer(const Source& source, std::size_t index, GltfData& data) {
   const Json& buffer = source.document["buffers"][index];
   const std::string place = json_path("buffers", index);
   const std::size_t length = size_of(buffer, "byteLength");
-  Bytes bytes;
+  ByteSpan bytes;
   if (const auto uri = buffer.find("uri"); uri != buffer.end()) {
     auto loaded = read_owned(source, place + "/uri", uri->get_ref<const std::string&>(), data);
     if (!loaded) return loaded;
@@ -74,8 +74,8 @@ Result<Bytes> load_buffer(const Source& source, std::size_t index, GltfData& dat
   return bytes.first(length);
 }
 
-Result<std::vector<Bytes>> load_buffers(const Source& source, GltfData& data) {
-  std::vector<Bytes> buffers(array_of(source.document, "buffers").size());
+Result<std::vector<ByteSpan>> load_buffers(const Source& source, GltfData& data) {
+  std::vector<ByteSpan> buffers(array_of(source.document, "buffers").size());
   for (const std::size_t index : needed_buffers(source.document)) {
     const auto bytes = load_buffer(source, index, data);
     if (!bytes) return tl::unexpected(bytes.error());
@@ -84,12 +84,12 @@ Result<std::vector<Bytes>> load_buffers(const Source& source, GltfData& data) {
   return buffers;
 }
 
-Result<Bytes> load_view(const Source& source, std::size_t index, const std::vector<Bytes>& buffers,
-                        GltfData& data) {
+Result<ByteSpan> load_view(const Source& source, std::size_t index, const std::vector<ByteSpan>& buffers,
+                           GltfData& data) {
   const Json& view = source.document["bufferViews"][index];
   const Json* packed = extension_of(view, kMeshopt);
   const Json& from = packed ? *packed : view;
-  const Bytes bytes =
+  const ByteSpan bytes =
       buffers[size_of(from, "buffer")].subspan(size_of(from, "byteOffset"), size_of(from, "byteLength"));
   if (!packed) return bytes;
   const std::string mode = packed->value("mode", std::string());
@@ -102,7 +102,7 @@ Result<Bytes> load_view(const Source& source, std::size_t index, const std::vect
   }
   auto decoded = decode_compressed_view(compressed, bytes, source.name, place);
   if (!decoded) return tl::unexpected(decoded.error());
-  return Bytes(data.owned.emplace_back(std::move(*decoded)));
+  return ByteSpan(data.owned.emplace_back(std::move(*decoded)));
 }
 
 void add_image_of(const Json& document, const Json& holder, const char* texture,
@@ -123,7 +123,7 @@ std::set<std::size_t> needed_images(const Json& document) {
   return images;
 }
 
-Result<Bytes> load_image(const Source& source, std::size_t index, GltfData& data) {
+Result<ByteSpan> load_image(const Source& source, std::size_t index, GltfData& data) {
   const Json& image = source.document["images"][index];
   const std::string place = json_path("images", index);
   if (image.contains("bufferView")) return data.views[size_of(image, "bufferView")];
