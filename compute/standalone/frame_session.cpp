@@ -315,7 +315,9 @@ Result<FrameTimes> FrameSession::frame(const FrameContent& content) {
   state.schedule = std::move(*next);
   state.started = true;
   times.host = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const std::vector<double> seconds = state.moments.seconds();
+  const auto moments = state.moments.seconds();
+  if (!moments) return fail(moments.error());
+  const std::vector<double>& seconds = *moments;
   times.inputs = seconds[kBegin];
   times.direct_light = seconds[kInputs];
   times.bounces = seconds[kDirectLight];

@@ -89,11 +89,15 @@ int rank(VkPhysicalDeviceType type) {
 }
 
 /// Best first; equal ones stay in the order of the instance.
-std::vector<Candidate> list_devices(VkInstance instance) {
+Result<std::vector<Candidate>> list_devices(VkInstance instance) {
   std::uint32_t count = 0;
-  vkEnumeratePhysicalDevices(instance, &count, nullptr);
-  std::vector<VkPhysicalDevice> devices(count);
-  vkEnumeratePhysicalDevices(instance, &count, devices.data());
+  std::vector<VkPhysicalDevice> devices;
+  VkResult listed = vkEnumeratePhysicalDevices(instance, &count, nullptr);
+  if (listed == VK_SUCCESS) {
+    devices.resize(count);
+    listed = vkEnumeratePhysicalDevices(instance, &count, devices.data());
+  }
+  if (auto done = check_vulkan(listed, "listing devices"); !done) return tl::unexpected<Error>(done.error());
   std::vector<Candidate> candidates(count);
   for (std::uint32_t i = 0; i < count; ++i) {
     candidates[i].device = devices[i];
@@ -146,8 +150,10 @@ Instance::~Instance() {
 }
 
 Result<VkPhysicalDevice> choose_physical_device(VkInstance instance, const std::string& name) {
+  const auto candidates = list_devices(instance);
+  if (!candidates) return tl::unexpected<Error>(candidates.error());
   std::string found;
-  for (const Candidate& candidate : list_devices(instance)) {
+  for (const Candidate& candidate : *candidates) {
     const std::string device_name = candidate.properties.deviceName;
     if (!found.empty()) found += "; ";
     if (lower_case(device_name).find(lower_case(name)) == std::string::npos) {

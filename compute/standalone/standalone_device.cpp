@@ -238,7 +238,9 @@ Result<SubmitTimes> StandaloneDevice::submit(const std::function<void(VkCommandB
     return tl::unexpected<Error>(vulkan_error(submitted, "submitting to the device '" + state_->name + "'"));
   }
   if (auto waited = state_->wait(timeout_seconds); !waited) return tl::unexpected<Error>(waited.error());
-  return SubmitTimes{seconds_since(start), state_->timestamps.seconds()[0]};
+  const auto on_device = state_->timestamps.seconds();
+  if (!on_device) return tl::unexpected<Error>(on_device.error());
+  return SubmitTimes{seconds_since(start), on_device->front()};
 }
 
 }  // namespace relume

@@ -50,13 +50,14 @@ void Timestamps::record_mark(VkCommandBuffer commands, std::uint32_t moment) con
   if (mask_ != 0) vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, pool_.get(), moment);
 }
 
-std::vector<double> Timestamps::seconds() const {
+Result<std::vector<double>> Timestamps::seconds() const {
   std::vector<double> between(count_ - 1, 0.0);
   if (mask_ == 0) return between;
   std::vector<std::uint64_t> ticks(count_);
   const VkResult read = vkGetQueryPoolResults(device_, pool_.get(), 0, count_, count_ * sizeof ticks[0],
                                               ticks.data(), sizeof ticks[0], VK_QUERY_RESULT_64_BIT);
-  for (std::uint32_t i = 0; read == VK_SUCCESS && i + 1 < count_; ++i)
+  if (auto done = check_vulkan(read, "reading timestamps"); !done) return tl::unexpected<Error>(done.error());
+  for (std::uint32_t i = 0; i + 1 < count_; ++i)
     between[i] = static_cast<double>((ticks[i + 1] - ticks[i]) & mask_) * seconds_per_tick_;
   return between;
 }
