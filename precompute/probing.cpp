@@ -13,6 +13,7 @@
 #include "core/quantities.h"
 #include "core/sky.h"
 #include "precompute/clearance.h"
+#include "precompute/probed_rooms.h"
 #include "precompute/probing_means.h"
 #include "precompute/rows.h"
 #include "precompute/sampling.h"
@@ -28,7 +29,8 @@ constexpr float kTexture = 0.2f;
 constexpr float kLampStandOff = 1e-3f, kLeastPatch = 2e-3f;
 /// Places tried for a lamp and for a spot light, which would light next to nothing from near.
 constexpr int kLampTries = 4, kSpotTries = 8;
-/// Half the angle of the cone of a spot light, at least and at most; it is as bright as can be to half of that.
+/// Half the angle of the cone of a spot light, at least and at most; it is as bright as can be to half of
+/// that.
 constexpr float kNarrowCone = 0.4f, kWideCone = 0.7f;
 /// By how much light may differ across a room, in waves from about as long as the room is to so many times
 /// shorter: other lights shine in other places.
@@ -55,42 +57,6 @@ class Dice {
   std::uint64_t state_;
 };
 
-struct ProbedCluster {
-  SurfacePoint at;  ///< middle of its largest element
-  float area = 0.0f;
-  std::uint32_t material = 0;
-};
-
-struct ProbedRoom {
-  std::vector<std::uint32_t> clusters;
-  std::vector<float> area_up_to;  ///< with each cluster
-
-  float area() const { return area_up_to.back(); }
-  std::uint32_t choose(float u) const {
-    const auto found = std::upper_bound(area_up_to.begin(), area_up_to.end() - 1, u * area());
-    return clusters[std::size_t(found - area_up_to.begin())];
-  }
-};
-
-std::vector<ProbedCluster> clusters_of(const ProbedScene& scene) {
-  std::vector<ProbedCluster> clusters;
-  for (const ClusteredSurface& own : scene.surfaces) {
-    clusters.resize(std::max<std::size_t>(clusters.size(),
-                                          1 + *std::max_element(own.senders.begin(), own.senders.end())));
-    std::vector<float> largest(own.cluster_count, 0.0f);
-    for (std::size_t e = 0; e < own.cluster.size(); ++e) {
-      const Element& element = own.surface.elements[e];
-      ProbedCluster& cluster = clusters[own.sender_of(std::uint32_t(e))];
-      cluster.area += element.area;
-      cluster.material = element.material;
-      if (element.area <= largest[own.cluster[e]]) continue;
-      largest[own.cluster[e]] = element.area;
-      cluster.at = {element.position, element.normal};
-    }
-  }
-  return clusters;
-}
-
 /// Makes the lightings and follows their light.
 class Prober {
  public:
@@ -98,7 +64,7 @@ class Prober {
       : scene_(scene),
         halves_(rows),
         rows_(mean_rows(rows, scene.senders.weights.size())),
-        clusters_(clusters_of(scene)) {
+        clusters_(probed_clusters(scene.surfaces)) {
     result_.rooms = std::move(rooms);
     result_.senders.assign(scene.senders.weights.size(), ProbingValues{});
     for (std::uint32_t c = 0; c < clusters_.size(); ++c) {

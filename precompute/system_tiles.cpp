@@ -9,8 +9,7 @@ namespace {
 
 /// Errors of clusters are those of many senders by the time that they reach a lumel, and mostly cancel: 0.4
 /// here instead takes 1.3 times the form factors between clusters, and lessens the error of no light by a
-/// twentieth (two furnished rooms; a dark room that light reaches through a door). At 1.6 that dark room is
-/// off by a fifth more.
+/// twentieth (two furnished rooms; a dark room that light reaches through a door).
 constexpr double kClusterShareOfError = 0.8;
 /// Where halvings are kept, for narrow bounds: what rows between clusters leave open goes through all
 /// bounces.

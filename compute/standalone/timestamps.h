@@ -25,8 +25,8 @@ class Timestamps {
   /// Moment number `moment`: when all that was recorded before has run.
   void record_mark(VkCommandBuffer commands, std::uint32_t moment) const;
 
-  /// Seconds from each moment to the next, one less than moments, 0 when the queue has no timestamps; once the
-  /// command buffer has run. Fails as the device does.
+  /// Seconds from each moment to the next, one less than moments, 0 when the queue has no timestamps; once
+  /// the command buffer has run. Fails as the device does.
   Result<std::vector<double>> seconds() const;
 
  private:

@@ -33,8 +33,8 @@ float product(const Origin& a, const Origin& b) {
   return sum;
 }
 
-/// Where the light of each cluster came from, each of length 1, and the lengths that they had: the longer, the
-/// smaller is what a cluster shares its light with.
+/// Where the light of each cluster came from, each of length 1, and the lengths that they had: the longer,
+/// the smaller is what a cluster shares its light with.
 struct Origins {
   std::vector<Origin> directions;
   std::vector<float> lengths;

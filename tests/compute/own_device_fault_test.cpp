@@ -103,8 +103,7 @@ void vkDestroyQueryPool(VkDevice device, VkQueryPool pool, const VkAllocationCal
   destroy<PFN_vkDestroyQueryPool>("vkDestroyQueryPool", pool, device, pool, with);
 }
 VkResult vkGetQueryPoolResults(VkDevice device, VkQueryPool pool, std::uint32_t first, std::uint32_t count,
-                               std::size_t bytes, void* data, VkDeviceSize stride,
-                               VkQueryResultFlags flags) {
+                               std::size_t bytes, void* data, VkDeviceSize stride, VkQueryResultFlags flags) {
   return call<PFN_vkGetQueryPoolResults>("vkGetQueryPoolResults", 0, device, pool, first, count, bytes, data,
                                          stride, flags);
 }
@@ -185,9 +184,9 @@ TEST_F(OwnDeviceFaults, AreOneErrorAndLeaveNothing) {
         const auto answer = solve();
         EXPECT_TRUE(faults.failed);
         ASSERT_FALSE(answer);
-        EXPECT_TRUE(answer.error().code == ErrorCode::no_device ||
-                    (result == VK_ERROR_OUT_OF_DEVICE_MEMORY &&
-                     answer.error().code == ErrorCode::out_of_memory))
+        EXPECT_TRUE(
+            answer.error().code == ErrorCode::no_device ||
+            (result == VK_ERROR_OUT_OF_DEVICE_MEMORY && answer.error().code == ErrorCode::out_of_memory))
             << answer.error().message;
         EXPECT_FALSE(answer.error().message.empty());
         EXPECT_EQ(answer.error().message.find('\n'), std::string::npos) << answer.error().message;

@@ -54,8 +54,9 @@ TEST(Rooms, AreOneWhereHalfOfTheLightPasses) {
   EXPECT_EQ(Corridor(2, 30, 0.25f).found(), 1u);
 }
 
-/// The rooms found of a hall and others that only it is joined to, of so many clusters of 1 m2 each. What lies
-/// in one of the others gives the hall this share of its light; the hall gives as much back as is reciprocal.
+/// The rooms found of a hall and others that only it is joined to, of so many clusters of 1 m2 each. What
+/// lies in one of the others gives the hall this share of its light; the hall gives as much back as is
+/// reciprocal.
 std::set<std::uint32_t> rooms_around(std::uint32_t hall, const std::vector<std::uint32_t>& others,
                                      float share) {
   std::vector<std::uint32_t> sizes{hall}, room(hall, 0);
