@@ -47,25 +47,29 @@ SetPlan plan_solve_set(std::span<const BufferRange> ranges, VkDescriptorSet& set
   return plan;
 }
 
-/// What the nodes kernel reads.
-constexpr std::array<TexelPlan, 2> kNodeTexels{
+/// What the kernels of nodes read.
+constexpr std::array<TexelPlan, 3> kNodeTexels{
     {{kernels::kNodeTexelsBinding, kernels::kNodesBinding, VK_FORMAT_R32G32B32A32_UINT, kRgbBytes},
-     {kernels::kNodeShareTexelsBinding, kernels::kNodeSharesBinding, VK_FORMAT_R32_SFLOAT, 4}}};
+     {kernels::kNodePartTexelsBinding, kernels::kNodePartsBinding, VK_FORMAT_R32G32_UINT, 8},
+     {kernels::kOwnRadiosityTexelsBinding, kernels::kOwnRadiosityBinding, kRgbFormat, kRgbBytes}}};
 
-/// The nodes kernel reads nodes and shares; something must stand in the other places.
-SetPlan plan_sky_set(std::span<const BufferRange> ranges, VkDescriptorSet& set) {
+/// For the kernels of nodes; something must stand in the places of what they do not use.
+SetPlan plan_sky_set(std::span<const BufferRange> ranges, VkDeviceSize senders, VkDescriptorSet& set) {
   SetPlan plan{kernels::kSystemSet,
                &set,
                std::vector<VkDescriptorBufferInfo>(kernels::kSystemBindings, whole(ranges[kSkyNodes])),
                {}};
-  plan.bindings[kernels::kNodeSharesBinding] = whole(ranges[kSkyShares]);
+  plan.bindings[kernels::kNodePartsBinding] = whole(ranges[kSkyParts]);
+  plan.bindings[kernels::kOwnRadiosityBinding] = part(ranges[kRadiosity], 0, std::max<VkDeviceSize>(senders, 1) * kRgbBytes);
   plan.texels.assign(kNodeTexels.begin(), kNodeTexels.end());
   return plan;
 }
 
-SetPlan plan_system_set(std::span<const BufferRange> ranges, bool half_senders, VkDescriptorSet& set) {
+SetPlan plan_system_set(std::span<const BufferRange> ranges, const BufferRange& radiosity, bool half_senders,
+                        VkDescriptorSet& set) {
   SetPlan plan{kernels::kSystemSet, &set, {}, {}};
-  for (std::uint32_t i = 0; i < kernels::kSystemBindings; ++i) plan.bindings.push_back(whole(ranges[i]));
+  for (std::uint32_t i = 0; i < kSystemBuffers; ++i) plan.bindings.push_back(whole(ranges[i]));
+  plan.bindings.push_back(whole(radiosity));
   plan.texels = {
       {kernels::kImportTexelsBinding, kernels::kImportsBinding, VK_FORMAT_R32G32B32A32_UINT, kRgbBytes},
       {kernels::kLocalRadiosityTexelsBinding, kernels::kLocalRadiosityBinding,
@@ -195,9 +199,9 @@ Result<VulkanHandle<VkDescriptorPool>> make_sets(const HostDevice& host, const D
 
 Result<SolveSets> make_solve_sets(const HostDevice& host, const DeviceFunctions& functions,
                                   const Pipelines& pipelines, std::span<const BufferRange> ranges,
-                                  VkDeviceSize max_texels) {
+                                  std::uint32_t sky_senders, VkDeviceSize max_texels) {
   SolveSets sets;
-  std::vector<SetPlan> plans = {plan_solve_set(ranges, sets.solve), plan_sky_set(ranges, sets.sky)};
+  std::vector<SetPlan> plans = {plan_solve_set(ranges, sets.solve), plan_sky_set(ranges, sky_senders, sets.sky)};
   if (auto made = make_texel_views(host, functions, max_texels, plans, sets.texel_views); !made) {
     return tl::unexpected<Error>(made.error());
   }
@@ -227,10 +231,10 @@ Result<RoomSets> make_room_sets(const HostDevice& host, const DeviceFunctions& f
 
 Result<SystemSets> make_system_sets(const HostDevice& host, const DeviceFunctions& functions,
                                     const Pipelines& pipelines, const SystemLayout& layout,
-                                    std::span<const BufferRange> ranges, const BufferRange& coefficients,
-                                    VkDeviceSize max_texels) {
+                                    std::span<const BufferRange> ranges, const BufferRange& radiosity,
+                                    const BufferRange& coefficients, VkDeviceSize max_texels) {
   SystemSets sets;
-  std::vector<SetPlan> plans = {plan_system_set(ranges, layout.half_senders, sets.system)};
+  std::vector<SetPlan> plans = {plan_system_set(ranges, radiosity, layout.half_senders, sets.system)};
   plan_block_sets(layout.bounce, ranges, sets.bounce, plans);
   plan_block_sets(layout.gather, ranges, sets.gather, plans);
   plan_probe_sets(layout.probes, ranges, coefficients, sets.probes, plans);

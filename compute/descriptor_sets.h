@@ -18,7 +18,7 @@ struct SolveSets {
   std::vector<VulkanHandle<VkBufferView>> texel_views;
   VulkanHandle<VkDescriptorPool> pool;
   VkDescriptorSet solve = VK_NULL_HANDLE;
-  VkDescriptorSet sky = VK_NULL_HANDLE;  ///< as of a system, for the nodes kernel alone
+  VkDescriptorSet sky = VK_NULL_HANDLE;  ///< as of a system, for the kernels of nodes alone
 };
 
 struct SystemSets {
@@ -46,13 +46,13 @@ Result<RoomSets> make_room_sets(const HostDevice& host, const DeviceFunctions& f
 /// `max_texels` elements; a device that has fewer than a buffer holds must use MatrixFetch::storage.
 Result<SolveSets> make_solve_sets(const HostDevice& host, const DeviceFunctions& functions,
                                   const Pipelines& pipelines, std::span<const BufferRange> ranges,
-                                  VkDeviceSize max_texels);
+                                  std::uint32_t sky_senders, VkDeviceSize max_texels);
 
-/// `ranges` has one entry per buffer of the system; `coefficients`: of the probes of all;
-/// `max_texels`: as above.
+/// `ranges` has one entry per buffer of the system; `radiosity`: of both of its halves; `coefficients`: of the
+/// probes of all; `max_texels`: as above.
 Result<SystemSets> make_system_sets(const HostDevice& host, const DeviceFunctions& functions,
                                     const Pipelines& pipelines, const SystemLayout& layout,
-                                    std::span<const BufferRange> ranges, const BufferRange& coefficients,
-                                    VkDeviceSize max_texels);
+                                    std::span<const BufferRange> ranges, const BufferRange& radiosity,
+                                    const BufferRange& coefficients, VkDeviceSize max_texels);
 
 }  // namespace relume

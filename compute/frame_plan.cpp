@@ -19,7 +19,8 @@ std::uint64_t cost_of(const SystemTraits& traits, StepKernel kernel) {
 
 std::uint64_t pass_cost(const SystemTraits& traits, std::uint32_t bounces) {
   const std::uint64_t import = cost_of(traits, StepKernel::import_radiosity);
-  return bounces * (import + cost_of(traits, StepKernel::bounce) + cost_of(traits, StepKernel::nodes)) +
+  return bounces * (import + cost_of(traits, StepKernel::bounce) + cost_of(traits, StepKernel::small_nodes) +
+                    cost_of(traits, StepKernel::nodes)) +
          import + cost_of(traits, StepKernel::gather) + cost_of(traits, StepKernel::directions) +
          cost_of(traits, StepKernel::probes);
 }
@@ -165,7 +166,7 @@ void begin_together(Traits traits, Schedule& schedule, const PassWishes& wishes)
     if (wishes.restart) system.error = schedule.largest_radiosity;
   }
   const bool to_tolerance = wishes.tolerance > 0.0;
-  pass.stage = wishes.restart ? PassStage::start : PassStage::start_nodes;
+  pass.stage = wishes.restart ? PassStage::start : PassStage::start_small_nodes;
   pass.bounces =
       to_tolerance ? bounces_to(traits, radiosity_errors(schedule), schedule, wishes) : wishes.bounces;
   pass.correct = wishes.correct && !to_tolerance && all_active(traits, schedule);

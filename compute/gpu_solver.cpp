@@ -83,11 +83,12 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
   if (!functions) return tl::unexpected<Error>(functions.error());
   auto pipelines = Pipelines::create(host, *functions, sender_scale(options));
   if (!pipelines) return tl::unexpected<Error>(pipelines.error());
-  std::vector<DispatchStep> sky_nodes =
-      plan_nodes(model.sky_tree, layout->sky_patches, RowKernel::row_per_8_lanes, MatrixFetch::storage);
-  if (!sky_nodes.empty()) {
-    if (auto added = pipelines->add(KernelId::nodes, {}); !added) return tl::unexpected<Error>(added.error());
+  const NodeTables sky = node_tables(model.sky_tree, layout->sky_patches);
+  for (const KernelId of_nodes : {KernelId::small_nodes, KernelId::nodes}) {
+    if (sky.records.empty()) break;
+    if (auto added = pipelines->add(of_nodes, {}); !added) return tl::unexpected<Error>(added.error());
   }
+  SenderRanges senders(layout->system_places(), layout->sender_step);
   const std::size_t systems = model.systems.size();
   auto state = std::make_unique<SolverState>(SolverState{host,
                                                          *functions,
@@ -97,8 +98,9 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
                                                          limits->maxTexelBufferElements,
                                                          std::move(*layout),
                                                          std::move(*pipelines),
-                                                         std::move(sky_nodes),
-                                                         SenderRanges(2 * capacity),
+                                                         plan_small_nodes(sky, MatrixFetch::storage),
+                                                         plan_nodes(sky, RowKernel::row_per_8_lanes, MatrixFetch::storage),
+                                                         std::move(senders),
                                                          {},
                                                          {},
                                                          {},
@@ -118,7 +120,8 @@ Result<void> GpuSolver::bind(std::span<const BufferRange> ranges) {
   if (state_->failure) return tl::unexpected<Error>(*state_->failure);
   auto exact = fit_ranges(buffers(), ranges);
   if (!exact) return tl::unexpected<Error>(exact.error());
-  auto sets = make_solve_sets(state_->host, state_->functions, state_->pipelines, *exact, state_->max_texels);
+  auto sets = make_solve_sets(state_->host, state_->functions, state_->pipelines, *exact,
+                              state_->layout.sky_senders(), state_->max_texels);
   if (!sets) {
     latch_failure(*state_, sets.error());
     return tl::unexpected<Error>(sets.error());

@@ -29,6 +29,7 @@
 #include "spirv/restrict_rooms.h"
 #include "spirv/screen.h"
 #include "spirv/shadow_rays.h"
+#include "spirv/small_nodes.h"
 #include "spirv/solve_rooms.h"
 #include "spirv/start.h"
 
@@ -58,6 +59,8 @@ std::span<const std::uint32_t> kernel_code(KernelId kernel) {
       return gather_tile_shuffle_spirv;
     case KernelId::directions:
       return directions_spirv;
+    case KernelId::small_nodes:
+      return small_nodes_spirv;
     case KernelId::nodes:
       return nodes_spirv;
     case KernelId::nodes_shuffle:
@@ -124,6 +127,8 @@ const char* kernel_file_name(KernelId kernel) {
       return "gather_tile_shuffle";
     case KernelId::directions:
       return "directions";
+    case KernelId::small_nodes:
+      return "small_nodes";
     case KernelId::nodes:
       return "nodes";
     case KernelId::nodes_shuffle:

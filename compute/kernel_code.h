@@ -19,6 +19,7 @@ enum class KernelId : std::uint32_t {
   bounce_tile_shuffle,
   gather_tile_shuffle,
   directions,
+  small_nodes,
   nodes,
   nodes_shuffle,
   probes,

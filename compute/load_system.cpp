@@ -24,6 +24,26 @@ Result<MatrixFetch> choose_fetch(const SolverState& state, const SystemLayout& l
   return state.options.fetch.value_or(fits ? MatrixFetch::texels : MatrixFetch::storage);
 }
 
+/// Places for both halves, where no more senders than the capacity are loaded with them.
+std::optional<std::uint32_t> take_places(SolverState& state, std::uint32_t senders) {
+  std::uint64_t loaded = senders;
+  for (const auto& system : state.systems) loaded += system ? system->layout.senders() : 0;
+  if (loaded > state.layout.sender_capacity) return std::nullopt;
+  return state.senders.take(2 * senders);
+}
+
+void give_back_places(SolverState& state, std::uint32_t first_sender, std::uint32_t senders) {
+  if (senders > 0) state.senders.give_back(first_sender - state.layout.sky_places());
+}
+
+/// Both halves of a system in the radiosity buffer; without senders, something that can be bound.
+BufferRange radiosity_of(const SolverState& state, std::uint32_t first_sender, std::uint32_t senders) {
+  BufferRange range = state.ranges[kRadiosity];
+  range.offset += senders > 0 ? first_sender * kRgbBytes : 0;
+  range.byte_size = std::max<VkDeviceSize>(2 * VkDeviceSize{senders}, 1) * kRgbBytes;
+  return range;
+}
+
 }  // namespace
 
 Result<void> add_pipelines(Pipelines& pipelines, const SystemDispatches& dispatches, RowKernel row_kernel) {
@@ -86,23 +106,25 @@ Result<void> load_system(SolverState& state, const Model& model, std::uint32_t i
     return added;
   }
   if (state.ranges.empty()) return fail(ErrorCode::usage, "buffers are bound before systems are loaded");
+  const auto first = take_places(state, layout->senders());
+  if (!first) {
+    return fail(ErrorCode::out_of_memory,
+                name_of(index) + " has " + std::to_string(layout->senders()) +
+                    " senders, for which there is no room beside those that are loaded: sender_capacity is " +
+                    std::to_string(state.layout.sender_capacity));
+  }
+  loaded->first_sender = state.layout.sky_places() + *first;
   auto sets = make_system_sets(state.host, state.functions, state.pipelines, *layout, *exact,
+                               radiosity_of(state, loaded->first_sender, layout->senders()),
                                state.ranges[kProbeCoefficients], state.max_texels);
   if (!sets) {
+    give_back_places(state, loaded->first_sender, layout->senders());
     latch_failure(state, sets.error());
     return tl::unexpected<Error>(sets.error());
   }
   loaded->sets = std::move(*sets);
   loaded->layout = std::move(*layout);
   loaded->ranges = std::move(*exact);
-  const auto first = state.senders.take(2 * loaded->layout.senders());
-  if (!first) {
-    return fail(ErrorCode::out_of_memory,
-                name_of(index) + " has " + std::to_string(loaded->layout.senders()) +
-                    " senders, for which there is no room beside those that are loaded: sender_capacity is " +
-                    std::to_string(state.layout.sender_capacity));
-  }
-  loaded->first_sender = state.layout.sky_senders() + *first;
   state.traits[index] = system_traits(model, index, loaded->dispatches, albedo);
   state.systems[index] = std::move(loaded);
   return {};
@@ -112,7 +134,7 @@ void unload_system(SolverState& state, std::uint32_t index) {
   if (index >= state.systems.size() || !state.systems[index]) return;
   unload_rooms(state);
   const LoadedSystem& system = *state.systems[index];
-  if (system.layout.senders() > 0) state.senders.give_back(system.first_sender - state.layout.sky_senders());
+  give_back_places(state, system.first_sender, system.layout.senders());
   state.systems[index].reset();
   state.traits[index] = {};
 }

@@ -106,6 +106,21 @@ std::vector<DispatchStep> plan_elements(std::uint32_t count, std::uint64_t cost,
   return {step};
 }
 
+std::vector<DispatchStep> plan_node_range(const NodeTables& tables, std::uint32_t begin, std::uint32_t end,
+                                          std::uint32_t nodes_of_group, MatrixFetch fetch) {
+  const std::uint32_t most = kernels::kMaxWorkgroups * nodes_of_group;
+  std::vector<DispatchStep> steps;
+  for (std::uint32_t first = begin; first < end; first += most) {
+    DispatchStep step;
+    step.format.fetch = fetch;
+    step.range = {first, std::min(most, end - first), 0, 0};
+    step.workgroups = (step.range.count + nodes_of_group - 1) / nodes_of_group;
+    for (std::uint32_t i = first; i < first + step.range.count; ++i) step.cost += tables.records[i].y;
+    steps.push_back(step);
+  }
+  return steps;
+}
+
 }  // namespace
 
 RowKernel row_kernel_for(RowKernel chosen, std::uint32_t tile_rows) {
@@ -118,22 +133,14 @@ std::uint32_t workgroup_count(std::uint64_t threads) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(groups, kernels::kMaxWorkgroups));
 }
 
-std::vector<DispatchStep> plan_nodes(const ClusterTreeNodes& tree, std::uint32_t leaves, RowKernel row_kernel,
-                                     MatrixFetch fetch) {
+std::vector<DispatchStep> plan_small_nodes(const NodeTables& tables, MatrixFetch fetch) {
+  return plan_node_range(tables, 0, tables.small, kernels::kWorkgroupSize, fetch);
+}
+
+std::vector<DispatchStep> plan_nodes(const NodeTables& tables, RowKernel row_kernel, MatrixFetch fetch) {
   const bool shuffles = row_kernel == RowKernel::tile_shuffle;
-  const std::uint32_t nodes_of_group = shuffles ? kernels::kWorkgroupSize : kernels::kRowsPerWorkgroup;
-  const std::uint32_t most = kernels::kMaxWorkgroups * nodes_of_group;
-  const auto nodes = static_cast<std::uint32_t>(tree.nodes.size());
-  std::vector<DispatchStep> steps;
-  for (std::uint32_t first = 0; first < nodes; first += most) {
-    DispatchStep step;
-    step.format.fetch = fetch;
-    step.range = {first, std::min(most, nodes - first), leaves, 0};
-    step.workgroups = (step.range.count + nodes_of_group - 1) / nodes_of_group;
-    for (std::uint32_t i = first; i < first + step.range.count; ++i) step.cost += tree.nodes[i].count;
-    steps.push_back(step);
-  }
-  return steps;
+  return plan_node_range(tables, tables.small, static_cast<std::uint32_t>(tables.records.size()),
+                         shuffles ? kernels::kWorkgroupSize : kernels::kRowsPerWorkgroup, fetch);
 }
 
 SystemDispatches plan_dispatches(const System& system, const SystemLayout& layout, RowKernel row_kernel,
@@ -146,7 +153,9 @@ SystemDispatches plan_dispatches(const System& system, const SystemLayout& layou
   set(StepKernel::import_radiosity,
       plan_elements(layout.imports, layout.imports + layout.import_parts, fetch));
   set(StepKernel::bounce, plan_rows(system.bounce, row_kernel, fetch, max_form_factors));
-  set(StepKernel::nodes, plan_nodes(system.tree, layout.clusters, row_kernel, fetch));
+  const NodeTables nodes = node_tables(system.tree, layout.clusters);
+  set(StepKernel::small_nodes, plan_small_nodes(nodes, fetch));
+  set(StepKernel::nodes, plan_nodes(nodes, row_kernel, fetch));
   set(StepKernel::residual, plan_elements(layout.clusters, layout.clusters, fetch));
   set(StepKernel::gather, plan_rows(system.gather, row_kernel, fetch, max_form_factors));
   set(StepKernel::directions, plan_directions(system.gather, fetch, max_form_factors));

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "compute/node_tables.h"
 #include "compute/solver_layout.h"
 #include "compute/solver_options.h"
 #include "core/model.h"
@@ -20,6 +21,7 @@ enum class StepKernel : std::uint32_t {
   start,
   import_radiosity,
   bounce,
+  small_nodes,
   nodes,
   residual,
   gather,
@@ -29,7 +31,7 @@ enum class StepKernel : std::uint32_t {
   solve_rooms,
   correct_rooms
 };
-inline constexpr std::size_t kStepKernels = 11;
+inline constexpr std::size_t kStepKernels = 12;
 
 /// What a row kernel is compiled for.
 struct BlockFormat {
@@ -75,9 +77,9 @@ std::uint32_t workgroup_count(std::uint64_t threads);
 SystemDispatches plan_dispatches(const System& system, const SystemLayout& layout, RowKernel row_kernel,
                                  MatrixFetch fetch, std::uint64_t max_form_factors);
 
-/// The dispatches that bring the nodes of a tree over `leaves` leaves up to date.
-std::vector<DispatchStep> plan_nodes(const ClusterTreeNodes& tree, std::uint32_t leaves, RowKernel row_kernel,
-                                     MatrixFetch fetch);
+/// The dispatches that bring the small nodes of a tree up to date, or, after them, the large ones.
+std::vector<DispatchStep> plan_small_nodes(const NodeTables& tables, MatrixFetch fetch);
+std::vector<DispatchStep> plan_nodes(const NodeTables& tables, RowKernel row_kernel, MatrixFetch fetch);
 
 /// Sum of costs.
 std::uint64_t dispatch_cost(const std::vector<DispatchStep>& dispatches);

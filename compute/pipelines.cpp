@@ -66,6 +66,8 @@ KernelId step_kernel_id(StepKernel step, RowKernel row_kernel, std::uint32_t til
       return gather_kernel(of_rows);
     case StepKernel::start:
       return KernelId::start;
+    case StepKernel::small_nodes:
+      return KernelId::small_nodes;
     case StepKernel::nodes:
       return row_kernel == RowKernel::tile_shuffle ? KernelId::nodes_shuffle : KernelId::nodes;
     case StepKernel::residual:

@@ -11,6 +11,10 @@ StepKernel kernel_of(PassStage stage) {
   switch (stage) {
     case PassStage::start:
       return StepKernel::start;
+    case PassStage::start_small_nodes:
+    case PassStage::small_nodes:
+    case PassStage::corrected_small_nodes:
+      return StepKernel::small_nodes;
     case PassStage::start_nodes:
     case PassStage::nodes:
     case PassStage::corrected_nodes:
@@ -41,14 +45,15 @@ StepKernel kernel_of(PassStage stage) {
 
 /// Bounces write the half that does not count yet.
 bool writes_other_half(PassStage stage) {
-  return stage == PassStage::bounce || stage == PassStage::nodes;
+  return stage == PassStage::bounce || stage == PassStage::small_nodes || stage == PassStage::nodes;
 }
 
 /// Nodes that are about to change again.
 bool corrected_later(const PassProgress& pass) {
   if (!pass.correct) return false;
-  return (pass.stage == PassStage::start_nodes && pass.bounces > 0) ||
-         (pass.stage == PassStage::nodes && pass.bounces > 1);
+  const bool at_start = pass.stage == PassStage::start_small_nodes || pass.stage == PassStage::start_nodes;
+  const bool after_bounce = pass.stage == PassStage::small_nodes || pass.stage == PassStage::nodes;
+  return (at_start && pass.bounces > 0) || (after_bounce && pass.bounces > 1);
 }
 
 void begin_gather(PassProgress& pass) {
@@ -167,6 +172,9 @@ void Planner::add(FrameStep step) {
 void Planner::finish_stage(PassProgress& pass) {
   switch (pass.stage) {
     case PassStage::start:
+      pass.stage = PassStage::start_small_nodes;
+      return;
+    case PassStage::start_small_nodes:
       pass.stage = PassStage::start_nodes;
       return;
     case PassStage::start_nodes:
@@ -180,6 +188,9 @@ void Planner::finish_stage(PassProgress& pass) {
       return;
     case PassStage::correct_rooms:
       for (const std::uint32_t s : pass.systems) state().systems[s].error = state().largest_radiosity;
+      pass.stage = PassStage::corrected_small_nodes;
+      return;
+    case PassStage::corrected_small_nodes:
       pass.stage = PassStage::corrected_nodes;
       return;
     case PassStage::corrected_nodes:
@@ -189,6 +200,9 @@ void Planner::finish_stage(PassProgress& pass) {
       pass.stage = PassStage::bounce;
       return;
     case PassStage::bounce:
+      pass.stage = PassStage::small_nodes;
+      return;
+    case PassStage::small_nodes:
       pass.stage = PassStage::nodes;
       return;
     case PassStage::nodes:

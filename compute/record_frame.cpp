@@ -61,9 +61,9 @@ class FrameRecorder {
   }
 
   void nodes_of_sky() {
-    for (const DispatchStep& step : state_.sky_nodes) {
-      dispatch(KernelId::nodes, step, step.range, {state_.sets.solve, state_.sets.sky}, kernels::kBlockSet);
-    }
+    for (const DispatchStep& step : state_.sky_small_nodes) dispatch_of_sky(KernelId::small_nodes, step);
+    if (!state_.sky_small_nodes.empty() && !state_.sky_nodes.empty()) barrier();
+    for (const DispatchStep& step : state_.sky_nodes) dispatch_of_sky(KernelId::nodes, step);
   }
 
   void step(const FrameStep& step) {
@@ -108,6 +108,10 @@ class FrameRecorder {
                           const DispatchStep& planned) const {
     kernels::Range range = planned.range;
     if (step.kernel == StepKernel::directions) return range;
+    if (step.kernel == StepKernel::small_nodes || step.kernel == StepKernel::nodes) {
+      range.first_sender = step.half * system.layout.senders();
+      return range;
+    }
     range.first_sender = system.first_of_half(step.half);
     if (step.kernel == StepKernel::start || step.kernel == StepKernel::residual ||
         step.kernel == StepKernel::restrict_rooms) {
@@ -116,6 +120,10 @@ class FrameRecorder {
     if (step.kernel == StepKernel::residual) range.block_row = step.system;
     if (step.kernel == StepKernel::correct_rooms) range.first_row = std::bit_cast<std::uint32_t>(most_);
     return range;
+  }
+
+  void dispatch_of_sky(KernelId kernel, const DispatchStep& step) {
+    dispatch(kernel, step, step.range, {state_.sets.solve, state_.sets.sky}, kernels::kBlockSet);
   }
 
   void dispatch(KernelId kernel, const DispatchStep& step, const kernels::Range& range,

@@ -76,13 +76,16 @@ struct SystemProgress {
 
 enum class PassStage : std::uint32_t {
   start,
+  start_small_nodes,
   start_nodes,
   restrict_rooms,
   solve_rooms,
   correct_rooms,
+  corrected_small_nodes,
   corrected_nodes,
   import,
   bounce,
+  small_nodes,
   nodes,
   residual,
   gather_import,

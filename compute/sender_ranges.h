@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// Who has which part of a buffer that is shared: first fit, with gaps that merge.
+// Who has which part of a buffer that is shared: first fit, with gaps that merge; every part begins at a
+// multiple of a step.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,8 @@ namespace relume {
 
 class SenderRanges {
  public:
-  explicit SenderRanges(std::uint32_t capacity) : capacity_(capacity) {}
+  /// `capacity`: a multiple of `step`.
+  SenderRanges(std::uint32_t capacity, std::uint32_t step) : capacity_(capacity), step_(step) {}
 
   /// The first of `count` places in a row; nothing when no gap is large enough.
   std::optional<std::uint32_t> take(std::uint32_t count);
@@ -21,6 +23,7 @@ class SenderRanges {
 
  private:
   std::uint32_t capacity_;
+  std::uint32_t step_;
   std::map<std::uint32_t, std::uint32_t> taken_;  ///< first: count, none empty
 };
 

@@ -4,6 +4,7 @@
 #include <bit>
 #include <utility>
 
+#include "compute/node_tables.h"
 #include "compute/pass_buffers.h"
 #include "kernels/shared/glsl_types.h"
 
@@ -33,10 +34,11 @@ void add_blocks(UploadData& data, const BlockMatrix& matrix, const std::vector<B
   }
 }
 
-std::vector<kernels::uvec4> node_records(const ClusterTreeNodes& tree) {
-  std::vector<kernels::uvec4> records;
-  for (const TreeNode& node : tree.nodes) records.push_back({node.first, node.count, node.first_share, 0});
-  return records;
+void add_nodes(UploadData& data, std::uint32_t records, std::uint32_t parts, const ClusterTreeNodes& tree,
+               std::size_t leaves) {
+  const NodeTables tables = node_tables(tree, static_cast<std::uint32_t>(leaves));
+  data.add_owned(records, 0, owned_bytes(tables.records));
+  data.add_owned(parts, 0, owned_bytes(tables.parts));
 }
 
 /// A record per import, then the parts of nodes above the systems (kernels/shared/bindings.h).
@@ -98,8 +100,7 @@ std::vector<std::byte> rgb_bytes(std::span<const Rgb> values) {
 UploadData model_upload(const Model& model) {
   UploadData data;
   data.add_owned(kRadiosity, 0, rgb_bytes(std::vector<Rgb>(model.sky_cells.size(), Rgb(0.0))));
-  data.add_owned(kSkyNodes, 0, owned_bytes(node_records(model.sky_tree)));
-  data.pieces.push_back({kSkyShares, 0, bytes_of(model.sky_tree.shares)});
+  add_nodes(data, kSkyNodes, kSkyParts, model.sky_tree, model.sky_cells.size());
   data.add_owned(kProbeCoefficients, 0, std::vector<std::byte>(model.probe_names.size() * kProbeBytes));
   return data;
 }
@@ -108,8 +109,7 @@ UploadData system_upload(const Model& model, std::uint32_t index, const SystemLa
   const System& system = model.systems[index];
   UploadData data;
   data.add_owned(kImports, 0, owned_bytes(import_records(model, system)));
-  data.add_owned(kNodes, 0, owned_bytes(node_records(system.tree)));
-  data.pieces.push_back({kNodeShares, 0, bytes_of(system.tree.shares)});
+  add_nodes(data, kNodes, kNodeParts, system.tree, system.clusters.size());
   add_stored_lighting(data, system);
   add_blocks(data, system.bounce, layout.bounce);
   add_blocks(data, system.gather, layout.gather);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "compute/node_tables.h"
 #include "core/directional_irradiance.h"
 #include "kernels/shared/limits.h"
 #include "kernels/shared/records.h"
@@ -17,7 +18,7 @@ static_assert(kImports == kernels::kImportsBinding && kLocalRadiosity == kernels
               kIrradiance == kernels::kIrradianceBinding && kAlbedo == kernels::kAlbedoBinding &&
               kExitance == kernels::kExitanceBinding && kDirect == kernels::kDirectBinding &&
               kWeights == kernels::kWeightsBinding && kNodes == kernels::kNodesBinding &&
-              kNodeShares == kernels::kNodeSharesBinding && kSystemBuffers == kernels::kSystemBindings);
+              kNodeParts == kernels::kNodePartsBinding && kSystemBuffers == kernels::kOwnRadiosityBinding);
 
 static_assert(kProbeLists == kernels::kProbeListsBinding && kProbeSenders == kernels::kProbeSendersBinding &&
               kProbeBuffers == kernels::kProbeCoefficientsBinding);
@@ -26,6 +27,7 @@ constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
                                       VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                                       VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 constexpr VkDeviceSize kEmptyBytes = 16;
+constexpr VkDeviceSize kNodePartBytes = sizeof(NodeTables::parts[0]);
 
 VkDeviceSize align_up(VkDeviceSize value, VkDeviceSize alignment) {
   return (value + alignment - 1) / alignment * alignment;
@@ -93,7 +95,7 @@ void add_system_buffers(const SystemLayout& layout, BufferList& buffers) {
   for (const char* name : {"albedo", "exitance", "direct", "weights"})
     buffers.add(name, layout.clusters * kRgbBytes);
   buffers.add("nodes", layout.nodes * sizeof(kernels::uvec4));
-  buffers.add("node shares", layout.node_leaves * sizeof(float));
+  buffers.add("node parts", layout.node_parts * kNodePartBytes);
 }
 
 /// A probe alone has its block, however long its list.
@@ -121,11 +123,11 @@ void add_probe_buffers(std::vector<ProbeBlockLayout>& blocks, BufferList& buffer
 
 /// In the order of SolveBuffer.
 void add_solve_buffers(const SolverLayout& layout, BufferList& buffers) {
-  buffers.add("radiosity", (layout.sky_senders() + 2 * VkDeviceSize{layout.sender_capacity}) * kRgbBytes);
+  buffers.add("radiosity", (VkDeviceSize{layout.sky_places()} + layout.system_places()) * kRgbBytes);
   buffers.add("first sender", (VkDeviceSize{layout.systems} + 1) * sizeof(std::uint32_t));
   buffers.add("residuals", layout.systems * sizeof(kernels::ResidualRecord));
   buffers.add("sky nodes", layout.sky_nodes * sizeof(kernels::uvec4));
-  buffers.add("sky node shares", layout.sky_node_leaves * sizeof(float));
+  buffers.add("sky node parts", layout.sky_node_parts * kNodePartBytes);
   buffers.add("probe coefficients", layout.probes * kProbeBytes);
 }
 
@@ -158,9 +160,10 @@ Result<SolverLayout> solver_layout(const Model& model, std::uint32_t sender_capa
   layout.systems = count(model.systems.size());
   layout.sky_patches = count(model.sky_cells.size());
   layout.sky_nodes = count(model.sky_tree.nodes.size());
-  layout.sky_node_leaves = count(model.sky_tree.shares.size());
+  layout.sky_node_parts = count(node_tables(model.sky_tree, layout.sky_patches).parts.size());
   layout.probes = count(model.probe_names.size());
   layout.sender_capacity = sender_capacity;
+  layout.sender_step = static_cast<std::uint32_t>(std::max<VkDeviceSize>(limits.alignment / kRgbBytes, 1));
   BufferList buffers(layout.buffers, "", limits.alignment);
   add_solve_buffers(layout, buffers);
   if (auto checked = check_sizes(layout.buffers, limits.max_range); !checked) {
@@ -174,7 +177,7 @@ Result<SystemLayout> system_layout(const Model& model, std::uint32_t index, cons
   SystemLayout layout;
   layout.clusters = count(system.clusters.size());
   layout.nodes = count(system.tree.nodes.size());
-  layout.node_leaves = count(system.tree.shares.size());
+  layout.node_parts = count(node_tables(system.tree, layout.clusters).parts.size());
   layout.imports = count(system.imports.size());
   for (const SenderRef& sender : system.imports) {
     if (sender.system == kSpanningNodes) layout.import_parts += model.top_tree[sender.index].part_count;
@@ -194,11 +197,20 @@ Result<SystemLayout> system_layout(const Model& model, std::uint32_t index, cons
   return layout;
 }
 
+std::uint32_t SolverLayout::sky_places() const {
+  return static_cast<std::uint32_t>(align_up(sky_senders(), sender_step));
+}
+
+std::uint32_t SolverLayout::system_places() const {
+  return static_cast<std::uint32_t>(
+      align_up(2 * VkDeviceSize{sender_capacity} + VkDeviceSize{systems} * (sender_step - 1), sender_step));
+}
+
 VkDeviceSize largest_texel_buffer(const SolverLayout& solver, const SystemLayout& layout) {
-  const VkDeviceSize senders = solver.sky_senders() + 2 * VkDeviceSize{solver.sender_capacity};
+  const VkDeviceSize senders = VkDeviceSize{solver.sky_places()} + solver.system_places();
   const VkDeviceSize imports = VkDeviceSize{layout.imports} + layout.import_parts;
-  const VkDeviceSize shares = layout.node_leaves;
-  VkDeviceSize bytes = std::max({senders, imports, shares}) * sizeof(std::uint32_t);
+  const VkDeviceSize parts = layout.node_parts;
+  VkDeviceSize bytes = std::max({senders, imports, parts}) * sizeof(std::uint32_t);
   for (const auto* blocks : {&layout.bounce, &layout.gather}) {
     for (const BlockLayout& block : *blocks) {
       for (const BlockSection& section : block.sections) bytes = std::max(bytes, section.byte_size);

@@ -30,12 +30,13 @@ enum SolveBuffer : std::uint32_t {
   kFirstSender,
   kResiduals,
   kSkyNodes,
-  kSkyShares,
+  kSkyParts,
   kProbeCoefficients,
   kSolveBuffers
 };
 
-/// Buffers of a system: the bindings of kSystemSet, in their order; those of its blocks follow.
+/// Buffers of a system: the bindings of kSystemSet, in their order, but for its part of the radiosity; those of
+/// its blocks follow.
 enum SystemBuffer : std::uint32_t {
   kImports,
   kLocalRadiosity,
@@ -45,7 +46,7 @@ enum SystemBuffer : std::uint32_t {
   kDirect,
   kWeights,
   kNodes,
-  kNodeShares,
+  kNodeParts,
   kSystemBuffers,
 };
 
@@ -78,7 +79,7 @@ struct ProbeBlockLayout {
 struct SystemLayout {
   std::uint32_t clusters = 0;
   std::uint32_t nodes = 0;
-  std::uint32_t node_leaves = 0;  ///< of all nodes together
+  std::uint32_t node_parts = 0;  ///< of all nodes together
   std::uint32_t imports = 0;
   std::uint32_t import_parts = 0;  ///< records after those of the imports: parts of nodes above the systems
   std::uint32_t gather_rows = 0;
@@ -100,13 +101,18 @@ struct SolverLayout {
   std::uint32_t systems = 0;  ///< loaded or not
   std::uint32_t sky_patches = 0;
   std::uint32_t sky_nodes = 0;
-  std::uint32_t sky_node_leaves = 0;  ///< of all nodes together
+  std::uint32_t sky_node_parts = 0;  ///< of all nodes together
   std::uint32_t probes = 0;           ///< of all systems
   std::uint32_t sender_capacity = 0;  ///< senders of all systems that are loaded at a time, in one half
   std::vector<BufferRequirement> buffers;
 
-  /// The sky comes first in the radiosity buffer, then room for two halves of every sender.
+  std::uint32_t sender_step = 1;  ///< what a system's first place in the radiosity buffer is a multiple of
+
   std::uint32_t sky_senders() const { return sky_patches + sky_nodes; }
+
+  /// Places in the radiosity buffer: the sky comes first, then room for two halves of every sender.
+  std::uint32_t sky_places() const;
+  std::uint32_t system_places() const;
 };
 
 /// Bytes of an RGB quantity per element on the device (vec4).

@@ -38,6 +38,7 @@ struct SolverState {
   VkDeviceSize max_texels;  ///< of a texel buffer
   SolverLayout layout;
   Pipelines pipelines;
+  std::vector<DispatchStep> sky_small_nodes;
   std::vector<DispatchStep> sky_nodes;
   SenderRanges senders;
   std::vector<BufferRange> ranges;  ///< per buffer of the layout; empty until bound

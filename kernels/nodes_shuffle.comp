@@ -19,8 +19,8 @@ void main() {
   for (uint i = 0u; i < kLanes; ++i) {
     const uint holder = gl_SubgroupInvocationID - lane + i;
     const uvec4 node = uvec4(subgroupShuffle(own.xyz, holder), 0u);
-    sums[i] = lane_of_node(node, lane);
+    sums[i] = sum_of_parts(node, lane, kLanes);
   }
   const vec3 mean = sum_of_lanes(sums, lane);
-  if (inside) write_node(range.first_row + index, mean);
+  if (inside) write_node(own, mean);
 }

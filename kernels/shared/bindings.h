@@ -41,17 +41,22 @@ const uint kAlbedoBinding = 3u;      // vec4 per cluster
 const uint kExitanceBinding = 4u;    // vec4 per cluster, lm/m2
 const uint kDirectBinding = 5u;      // vec4 per cluster: H, lm/m2
 const uint kWeightsBinding = 6u;     // vec4 per cluster: v of the contraction bound, > 0
-const uint kNodesBinding = 7u;       // uvec4 per node: first leaf, number of leaves, first of their shares, 0
-const uint kNodeSharesBinding = 8u;  // float per leaf of every node: what it counts for in the mean
-const uint kSystemBindings = 9u;
-const uint kImportTexelsBinding = 9u;           // rgba32ui
-const uint kLocalRadiosityTexelsBinding = 10u;  // rgba32f or rgba16f
-const uint kAlbedoTexelsBinding = 11u;          // rgba32f, as the two that follow
-const uint kExitanceTexelsBinding = 12u;
-const uint kDirectTexelsBinding = 13u;
-const uint kNodeTexelsBinding = 14u;       // rgba32ui
-const uint kNodeShareTexelsBinding = 15u;  // r32f
-const uint kSystemTexelBindings = 7u;
+// uvec4 per node: first of its parts, number of parts, number of the node among the senders of its system, 0.
+const uint kNodesBinding = 7u;
+const uint kNodePartsBinding = 8u;  // uvec2 per part of every node: sender of the system, bits of its share
+const uint kOwnRadiosityBinding =
+    9u;  // vec4 per sender of both halves of the system: its part of kRadiosityBinding, for what reads and
+         // writes nodes of several systems side by side
+const uint kSystemBindings = 10u;
+const uint kImportTexelsBinding = 10u;          // rgba32ui
+const uint kLocalRadiosityTexelsBinding = 11u;  // rgba32f or rgba16f
+const uint kAlbedoTexelsBinding = 12u;          // rgba32f, as the two that follow
+const uint kExitanceTexelsBinding = 13u;
+const uint kDirectTexelsBinding = 14u;
+const uint kNodeTexelsBinding = 15u;          // rgba32ui
+const uint kNodePartTexelsBinding = 16u;      // rg32ui
+const uint kOwnRadiosityTexelsBinding = 17u;  // rgba32f
+const uint kSystemTexelBindings = 8u;
 
 /// Set of one block of a bounce or gather matrix, in the format of core/block_matrix.h, or of the light
 /// probes of a system.

@@ -21,6 +21,9 @@ const uint kProbesPerWorkgroup = kWorkgroupSize / kLanes;
 /// Rows of a tile that the tile kernels do; as many as lanes, so that each lane finishes one.
 const uint kTileOfRows = 8u;
 
+/// Nodes of so many leaves are summed leaf by leaf, larger ones from these (compute/node_tables.h).
+const uint kSmallNode = 8u;
+
 /// A dispatch of a tile kernel is so many sweeps over its rows (y), each of every kSweeps-th workgroup of
 /// rows (x): a device that deals out workgroups in equal runs, as lavapipe does to its threads, so deals out
 /// equal work, however lengths of rows change from one end to the other.

@@ -373,7 +373,7 @@ TEST_F(GuestTest, ADeviceWithTooFewBindingsIsNamed) {
   EXPECT_EQ(solver.error().code, ErrorCode::no_device);
   EXPECT_THAT(solver.error().message, HasSubstr(device().name()));
   EXPECT_THAT(solver.error().message,
-              HasSubstr("maxPerStageDescriptorStorageBuffers of at least 16 (it offers 4)"));
+              HasSubstr("maxPerStageDescriptorStorageBuffers of at least 17 (it offers 4)"));
 }
 
 TEST_F(GuestTest, ShortTexelBuffersAreNotUsedForLongBlocks) {

@@ -252,7 +252,7 @@ TEST(Schedule, BarriersStandBetweenStages) {
     if (step.barrier_before) kinds += '|';
     kinds += step.kind == FrameStep::Kind::flip      ? 'f'
              : step.kind == FrameStep::Kind::publish ? 'p'
-                                                     : "sibnrg"[static_cast<int>(step.kernel)];
+                                                     : "sibmnrg"[static_cast<int>(step.kernel)];
   }
   EXPECT_EQ(kinds, "nn|ii|bbbb|nn|ff|ii|gg|pp");
 }
