@@ -43,7 +43,8 @@ VkDescriptorBufferInfo whole(const BufferRange& range) {
 SetPlan plan_solve_set(std::span<const BufferRange> ranges, VkDescriptorSet& set) {
   SetPlan plan{kernels::kSolveSet, &set, {}, {}};
   for (std::uint32_t i = 0; i < kernels::kSolveBindings; ++i) plan.bindings.push_back(whole(ranges[i]));
-  plan.texels = {{kernels::kRadiosityTexelsBinding, kernels::kRadiosityBinding, kRgbFormat, kRgbBytes}};
+  plan.texels = {{kernels::kRadiosityTexelsBinding, kernels::kRadiosityBinding, kRgbFormat, kRgbBytes},
+                 {kernels::kFirstSenderTexelsBinding, kernels::kFirstSenderBinding, VK_FORMAT_R32_UINT, 4}};
   return plan;
 }
 
@@ -60,7 +61,8 @@ SetPlan plan_sky_set(std::span<const BufferRange> ranges, VkDeviceSize senders, 
                std::vector<VkDescriptorBufferInfo>(kernels::kSystemBindings, whole(ranges[kSkyNodes])),
                {}};
   plan.bindings[kernels::kNodePartsBinding] = whole(ranges[kSkyParts]);
-  plan.bindings[kernels::kOwnRadiosityBinding] = part(ranges[kRadiosity], 0, std::max<VkDeviceSize>(senders, 1) * kRgbBytes);
+  plan.bindings[kernels::kOwnRadiosityBinding] =
+      part(ranges[kRadiosity], 0, std::max<VkDeviceSize>(senders, 1) * kRgbBytes);
   plan.texels.assign(kNodeTexels.begin(), kNodeTexels.end());
   return plan;
 }
@@ -201,7 +203,8 @@ Result<SolveSets> make_solve_sets(const HostDevice& host, const DeviceFunctions&
                                   const Pipelines& pipelines, std::span<const BufferRange> ranges,
                                   std::uint32_t sky_senders, VkDeviceSize max_texels) {
   SolveSets sets;
-  std::vector<SetPlan> plans = {plan_solve_set(ranges, sets.solve), plan_sky_set(ranges, sky_senders, sets.sky)};
+  std::vector<SetPlan> plans = {plan_solve_set(ranges, sets.solve),
+                                plan_sky_set(ranges, sky_senders, sets.sky)};
   if (auto made = make_texel_views(host, functions, max_texels, plans, sets.texel_views); !made) {
     return tl::unexpected<Error>(made.error());
   }

@@ -48,8 +48,8 @@ Result<SolveSets> make_solve_sets(const HostDevice& host, const DeviceFunctions&
                                   const Pipelines& pipelines, std::span<const BufferRange> ranges,
                                   std::uint32_t sky_senders, VkDeviceSize max_texels);
 
-/// `ranges` has one entry per buffer of the system; `radiosity`: of both of its halves; `coefficients`: of the
-/// probes of all; `max_texels`: as above.
+/// `ranges` has one entry per buffer of the system; `radiosity`: of both of its halves; `coefficients`: of
+/// the probes of all; `max_texels`: as above.
 Result<SystemSets> make_system_sets(const HostDevice& host, const DeviceFunctions& functions,
                                     const Pipelines& pipelines, const SystemLayout& layout,
                                     std::span<const BufferRange> ranges, const BufferRange& radiosity,

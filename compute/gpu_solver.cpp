@@ -90,23 +90,24 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
   }
   SenderRanges senders(layout->system_places(), layout->sender_step);
   const std::size_t systems = model.systems.size();
-  auto state = std::make_unique<SolverState>(SolverState{host,
-                                                         *functions,
-                                                         options,
-                                                         kernel,
-                                                         layout_limits,
-                                                         limits->maxTexelBufferElements,
-                                                         std::move(*layout),
-                                                         std::move(*pipelines),
-                                                         plan_small_nodes(sky, MatrixFetch::storage),
-                                                         plan_nodes(sky, RowKernel::row_per_8_lanes, MatrixFetch::storage),
-                                                         std::move(senders),
-                                                         {},
-                                                         {},
-                                                         {},
-                                                         {},
-                                                         {},
-                                                         {}});
+  auto state = std::make_unique<SolverState>(
+      SolverState{host,
+                  *functions,
+                  options,
+                  kernel,
+                  layout_limits,
+                  limits->maxTexelBufferElements,
+                  std::move(*layout),
+                  std::move(*pipelines),
+                  plan_small_nodes(sky, MatrixFetch::storage),
+                  plan_nodes(sky, RowKernel::row_per_8_lanes, MatrixFetch::storage),
+                  std::move(senders),
+                  {},
+                  {},
+                  {},
+                  {},
+                  {},
+                  {}});
   state->systems.resize(systems);
   state->traits.resize(systems);
   return GpuSolver(std::move(state));

@@ -61,7 +61,8 @@ class TableMaker {
   std::uint32_t add_next(const TreeNode& node, std::uint32_t i) {
     const std::uint32_t inner = largest_at_[node.first + i];
     if (inner != kNone && tree_.nodes[inner].count <= node.count - i) {
-      const std::span<const float> own = shares(tree_.nodes[inner]), above = shares(node).subspan(i, own.size());
+      const std::span<const float> own = shares(tree_.nodes[inner]),
+                                   above = shares(node).subspan(i, own.size());
       const double share = std::accumulate(above.begin(), above.end(), 0.0);
       const bool proportional = std::equal(own.begin(), own.end(), above.begin(), [&](double a, double b) {
         return std::abs(share * a - b) <= kProportional * b;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The nodes of a tree as kernels sum them: in two steps, so that a large node is the mean of small ones, which
-// are there already, and not of all its leaves.
+// The nodes of a tree as kernels sum them: in two steps, so that a large node is the mean of small ones,
+// which are there already, and not of all its leaves.
 #pragma once
 
 #include <array>

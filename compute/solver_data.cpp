@@ -41,22 +41,24 @@ void add_nodes(UploadData& data, std::uint32_t records, std::uint32_t parts, con
   data.add_owned(parts, 0, owned_bytes(tables.parts));
 }
 
-/// A record per import, then the parts of nodes above the systems (kernels/shared/bindings.h).
+/// A record per import, then the other parts of nodes above the systems (kernels/shared/bindings.h).
 std::vector<kernels::uvec4> import_records(const Model& model, const System& system) {
+  constexpr auto kWhole = std::bit_cast<kernels::uint>(1.0f);
   const auto sky = static_cast<kernels::uint>(model.systems.size());
   std::vector<kernels::uvec4> records, parts;
   for (const SenderRef& sender : system.imports) {
     if (sender.system != kSpanningNodes) {
-      records.push_back({sender.system == kSkySystem ? sky : sender.system, sender.index, 0, 0});
+      records.push_back({sender.system == kSkySystem ? sky : sender.system, sender.index, kWhole, 0});
       continue;
     }
     const SpanningNode& node = model.top_tree[sender.index];
-    const auto first = static_cast<kernels::uint>(system.imports.size() + parts.size());
-    for (std::uint32_t p = node.first_part; p < node.first_part + node.part_count; ++p) {
-      const SpannedPart& part = model.top_parts[p];
-      parts.push_back({part.sender.system, part.sender.index, std::bit_cast<kernels::uint>(part.share), 0});
+    for (std::uint32_t k = 0; k < node.part_count; ++k) {
+      const SpannedPart& part = model.top_parts[node.first_part + k];
+      const auto next = static_cast<kernels::uint>(system.imports.size() + parts.size()) + (k > 0 ? 1 : 0);
+      (k > 0 ? parts : records)
+          .push_back({part.sender.system, part.sender.index, std::bit_cast<kernels::uint>(part.share),
+                      k + 1 < node.part_count ? next : 0});
     }
-    records.push_back({first, 0, node.part_count, 0});
   }
   records.insert(records.end(), parts.begin(), parts.end());
   return records;

@@ -180,7 +180,7 @@ Result<SystemLayout> system_layout(const Model& model, std::uint32_t index, cons
   layout.node_parts = count(node_tables(system.tree, layout.clusters).parts.size());
   layout.imports = count(system.imports.size());
   for (const SenderRef& sender : system.imports) {
-    if (sender.system == kSpanningNodes) layout.import_parts += model.top_tree[sender.index].part_count;
+    if (sender.system == kSpanningNodes) layout.import_parts += model.top_tree[sender.index].part_count - 1;
   }
   layout.gather_rows = system.gather.rows;
   layout.directional = is_directional(system);

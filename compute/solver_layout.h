@@ -35,8 +35,8 @@ enum SolveBuffer : std::uint32_t {
   kSolveBuffers
 };
 
-/// Buffers of a system: the bindings of kSystemSet, in their order, but for its part of the radiosity; those of
-/// its blocks follow.
+/// Buffers of a system: the bindings of kSystemSet, in their order, but for its part of the radiosity; those
+/// of its blocks follow.
 enum SystemBuffer : std::uint32_t {
   kImports,
   kLocalRadiosity,
@@ -81,7 +81,7 @@ struct SystemLayout {
   std::uint32_t nodes = 0;
   std::uint32_t node_parts = 0;  ///< of all nodes together
   std::uint32_t imports = 0;
-  std::uint32_t import_parts = 0;  ///< records after those of the imports: parts of nodes above the systems
+  std::uint32_t import_parts = 0;  ///< records after those of the imports: see kernels::kImportsBinding
   std::uint32_t gather_rows = 0;
   bool directional = false;   ///< the gather matrix has directions
   bool half_senders = false;  ///< see LayoutLimits
@@ -101,7 +101,7 @@ struct SolverLayout {
   std::uint32_t systems = 0;  ///< loaded or not
   std::uint32_t sky_patches = 0;
   std::uint32_t sky_nodes = 0;
-  std::uint32_t sky_node_parts = 0;  ///< of all nodes together
+  std::uint32_t sky_node_parts = 0;   ///< of all nodes together
   std::uint32_t probes = 0;           ///< of all systems
   std::uint32_t sender_capacity = 0;  ///< senders of all systems that are loaded at a time, in one half
   std::vector<BufferRequirement> buffers;

@@ -24,13 +24,15 @@ layout(set = 0, binding = kCachedIrradianceBinding, std430) writeonly restrict b
 };
 
 void main() {
-  const uint step_size = gl_NumWorkGroups.x * kWorkgroupSize;
-  for (uint row = gl_GlobalInvocationID.x; row < constants.rows; row += step_size) {
+  uint row = gl_GlobalInvocationID.x;
+  if (row >= constants.rows) return;
+  do {
     precise vec3 sum = vec3(0.0);
     for (uint light = 0u; light < constants.lights; ++light) {
       precise vec3 term = colors[light].rgb * responses[light * constants.rows + row].rgb;
       sum = sum + term;
     }
     irradiance[row] = vec4(sum, 0.0);
-  }
+    row += gl_NumWorkGroups.x * kWorkgroupSize;
+  } while (row < constants.rows);
 }

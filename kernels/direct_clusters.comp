@@ -7,8 +7,9 @@
 #include "include/direct_light.glsl"
 
 void main() {
-  const uint step_size = gl_NumWorkGroups.x * kWorkgroupSize;
-  for (uint i = gl_GlobalInvocationID.x; i < range.count; i += step_size) {
+  uint i = gl_GlobalInvocationID.x;
+  if (i >= range.count) return;
+  do {
     const uint cluster = range.first + i;
     const uint first = tables[range.clusters + 2u * cluster];
     const uint end = first + tables[range.clusters + 2u * cluster + 1u];
@@ -18,5 +19,6 @@ void main() {
       sum = sum + term;
     }
     cluster_light[cluster] = vec4(sum, 0.0);
-  }
+    i += gl_NumWorkGroups.x * kWorkgroupSize;
+  } while (i < range.count);
 }

@@ -7,7 +7,10 @@
 #include "include/direct_light.glsl"
 
 void main() {
-  const uint step_size = gl_NumWorkGroups.x * kWorkgroupSize;
-  for (uint row = gl_GlobalInvocationID.x; row < range.count; row += step_size)
+  uint row = gl_GlobalInvocationID.x;
+  if (row >= range.count) return;
+  do {
     gather_light[row] = element_light[tables[range.gather_rows + row]];
+    row += gl_NumWorkGroups.x * kWorkgroupSize;
+  } while (row < range.count);
 }

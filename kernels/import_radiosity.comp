@@ -23,11 +23,17 @@ layout(set = kSystemSet, binding = kLocalRadiosityBinding, std430) writeonly res
 layout(set = kSystemSet, binding = kLocalRadiosityBinding, std430) writeonly restrict buffer HalfRadiosity {
   uvec2 half_radiosity[];
 };
+layout(set = kSolveSet, binding = kFirstSenderTexelsBinding) uniform usamplerBuffer first_sender_texels;
 layout(set = kSolveSet, binding = kRadiosityTexelsBinding) uniform samplerBuffer radiosity_texels;
 layout(set = kSystemSet, binding = kImportTexelsBinding) uniform usamplerBuffer import_texels;
 
+uint first_sender(uint system) {
+  if (kFetch == kFetchTexels) return texelFetch(first_sender_texels, int(system)).x;
+  return first_sender_of[system];
+}
+
 vec3 radiosity_of(uint system, uint sender) {
-  const uint first = first_sender_of[system];
+  const uint first = first_sender(system);
   if (first == kNotLoaded) return vec3(0.0);
   if (kFetch == kFetchTexels) return texelFetch(radiosity_texels, int(first + sender)).rgb;
   return radiosity[first + sender].rgb;
@@ -38,12 +44,18 @@ uvec4 import_record(uint index) {
   return imports[index];
 }
 
-vec3 mean_of_parts(uvec4 node) {
+/// No node has as many.
+const uint kMostParts = 0xffffffffu;
+
+vec3 sum_of_parts(uint first) {
   precise vec3 sum = vec3(0.0);
-  for (uint k = 0u; k < node.z; ++k) {
-    const uvec4 part = import_record(node.x + k);
+  uint next = first;
+  for (uint k = 0u; k < kMostParts; ++k) {
+    const uvec4 part = import_record(next);
     precise vec3 term = uintBitsToFloat(part.z) * radiosity_of(part.x, part.y);
     sum = sum + term;
+    next = part.w;
+    if (next == 0u) break;
   }
   return sum;
 }
@@ -63,9 +75,10 @@ void keep_radiosity(uint index, vec3 value) {
 }
 
 void main() {
-  const uint step_size = gl_NumWorkGroups.x * kWorkgroupSize;
-  for (uint index = gl_GlobalInvocationID.x; index < range.count; index += step_size) {
-    const uvec4 sender = import_record(index);
-    keep_radiosity(index, sender.z == 0u ? radiosity_of(sender.x, sender.y) : mean_of_parts(sender));
-  }
+  uint index = gl_GlobalInvocationID.x;
+  if (index >= range.count) return;
+  do {
+    keep_radiosity(index, sum_of_parts(index));
+    index += gl_NumWorkGroups.x * kWorkgroupSize;
+  } while (index < range.count);
 }

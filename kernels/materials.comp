@@ -35,13 +35,15 @@ vec3 changed(vec3 color, vec4 state) {
 }
 
 void main() {
-  const uint step_size = gl_NumWorkGroups.x * kWorkgroupSize;
-  for (uint cluster = gl_GlobalInvocationID.x; cluster < constants.clusters; cluster += step_size) {
+  uint cluster = gl_GlobalInvocationID.x;
+  if (cluster >= constants.clusters) return;
+  do {
     const uvec4 stored_albedo = stored[2u * cluster];
     const MaterialState state = states[constants.state_per_cluster != 0u ? cluster : stored_albedo.w];
     const vec3 reflects = changed(uintBitsToFloat(stored_albedo.rgb), state.albedo);
     const vec3 emits = changed(uintBitsToFloat(stored[2u * cluster + 1u].rgb), state.exitance);
     albedo[cluster] = vec4(bounded(reflects, constants.max_albedo), 0.0);
     exitance[cluster] = vec4(bounded(emits, kLargestExitance), 0.0);
-  }
+    cluster += gl_NumWorkGroups.x * kWorkgroupSize;
+  } while (cluster < constants.clusters);
 }

@@ -23,6 +23,16 @@ void raise_group_maxima(uint first, vec3 values) {
   atomicMax(group_maxima[first + 2u], floatBitsToUint(values.z));
 }
 
+void raise_maxima_of(uint cluster) {
+  const vec3 after = abs(radiosity[range.first_sender + cluster].rgb);
+  const vec3 before = abs(radiosity[range.first_row + cluster].rgb);
+  const vec3 change = abs(after - before);
+  raise_group_maxima(0u, change / weights[cluster].rgb);
+  raise_group_maxima(3u, change);
+  raise_group_maxima(6u, after / weights[cluster].rgb);
+  raise_group_maxima(9u, after);
+}
+
 void raise_record() {
   atomicMax(residuals[range.block_row].weighted_change.x, group_maxima[0]);
   atomicMax(residuals[range.block_row].weighted_change.y, group_maxima[1]);
@@ -42,15 +52,12 @@ void main() {
   if (gl_LocalInvocationIndex < kMaxima) group_maxima[gl_LocalInvocationIndex] = 0u;
   memoryBarrierShared();
   barrier();
-  const uint step_size = gl_NumWorkGroups.x * kWorkgroupSize;
-  for (uint cluster = gl_GlobalInvocationID.x; cluster < range.count; cluster += step_size) {
-    const vec3 after = abs(radiosity[range.first_sender + cluster].rgb);
-    const vec3 before = abs(radiosity[range.first_row + cluster].rgb);
-    const vec3 change = abs(after - before);
-    raise_group_maxima(0u, change / weights[cluster].rgb);
-    raise_group_maxima(3u, change);
-    raise_group_maxima(6u, after / weights[cluster].rgb);
-    raise_group_maxima(9u, after);
+  uint cluster = gl_GlobalInvocationID.x;
+  if (cluster < range.count) {
+    do {
+      raise_maxima_of(cluster);
+      cluster += gl_NumWorkGroups.x * kWorkgroupSize;
+    } while (cluster < range.count);
   }
   memoryBarrierShared();
   barrier();

@@ -9,10 +9,12 @@
 #include "include/range.glsl"
 
 void main() {
-  const uint step_size = gl_NumWorkGroups.x * kWorkgroupSize;
-  for (uint cluster = gl_GlobalInvocationID.x; cluster < range.count; cluster += step_size) {
+  uint cluster = gl_GlobalInvocationID.x;
+  if (cluster >= range.count) return;
+  do {
     const vec4 start = vec4(reflect_and_emit(cluster, vec3(0.0)), 0.0);
     radiosity[range.first_row + cluster] = start;
     radiosity[range.first_sender + cluster] = start;
-  }
+    cluster += gl_NumWorkGroups.x * kWorkgroupSize;
+  } while (cluster < range.count);
 }

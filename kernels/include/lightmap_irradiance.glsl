@@ -14,9 +14,12 @@ vec3 lumel_value(uint row) {
 }
 
 vec3 texel_value(uint first, uint end) {
-  precise vec3 sum = lumel_value(lumels[first]);
+  precise vec3 sum = vec3(0.0);
+  for (uint k = first; k < end; ++k) {
+    sum = sum + lumel_value(lumels[k]);
+    if (k + 1u == end) break;
+  }
   if (end - first == 1u) return sum;
-  for (uint k = first + 1u; k < end; ++k) sum = sum + lumel_value(lumels[k]);
   precise vec3 mean = sum * (1.0 / float(end - first));
   return mean;
 }

@@ -37,18 +37,15 @@ vec3 radiosity_of_sender(uint sender) {
   return own_radiosity[index].rgb;
 }
 
-/// The sum of every `stride`-th part of a node from `first` on. The test comes last because lavapipe does the
-/// body of a loop once more when it is first.
+/// The sum of every `stride`-th part of a node from `first` on.
 vec3 sum_of_parts(uvec4 node, uint first, uint stride) {
   precise vec3 sum = vec3(0.0);
-  uint i = first;
-  if (i >= node.y) return sum;
-  do {
+  for (uint i = first; i < node.y; i += stride) {
     const uvec2 part = node_part(node.x + i);
     precise vec3 term = uintBitsToFloat(part.y) * radiosity_of_sender(part.x);
     sum = sum + term;
-    i += stride;
-  } while (i < node.y);
+    if (i + stride >= node.y) break;
+  }
   return sum;
 }
 

@@ -20,18 +20,18 @@ const uint kFirstSenderBinding =
     1u;  // uint per system, then of the sky: sender 0 in the half that counts, or kNotLoaded
 const uint kResidualBinding = 2u;  // ResidualRecord per system
 const uint kSolveBindings = 3u;
-const uint kRadiosityTexelsBinding = 3u;  // rgba32f
-const uint kSolveTexelBindings = 1u;
+const uint kRadiosityTexelsBinding = 3u;    // rgba32f
+const uint kFirstSenderTexelsBinding = 4u;  // r32ui
+const uint kSolveTexelBindings = 2u;
 
 /// First sender of a system that is not there: black.
 const uint kNotLoaded = 0xffffffffu;
 
 /// Set of one system, or of the sky.
 const uint kSystemSet = 1u;
-// uvec4 per import. A sender of a system or of the sky: number of the system (that of the sky is the number
-// of systems), index of the sender, 0, 0. A node above the systems: first of its parts in this buffer, 0,
-// number of parts, 0. Parts follow the imports: number of the system, index of the sender, bits of its share,
-// 0.
+// uvec4 per import: number of the system (that of the sky is the number of systems), index of the sender, bits
+// of its share, and 0 or where in this buffer the next part is. A sender of a system or of the sky has one
+// part, of share 1; a node above the systems several, of which all but the first follow the imports.
 const uint kImportsBinding = 0u;
 const uint kLocalRadiosityBinding = 1u;  // vec4, or as kHalfSendersConstant says four halves in a uvec2, per
                                          // import: b of the sender (include/local_radiosity.glsl)
