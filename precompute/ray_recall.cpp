@@ -67,13 +67,18 @@ void RayRecall::begin(std::uint64_t identity, const Receiver& receiver, std::uin
   const bool moved = receiver.walled() &&
                      memory_.kept->change().disturbed(receiver.middle().position, 3.0f * receiver.reach());
   if (!moved) old_ = memory_.kept->find(identity);
-  middle_ = receiver.middle().position, reach_ = receiver.reach();
-  if (!(glm::length(middle_ - vantage_.middle) + reach_ <= vantage_.radius) || vantages_ == 0) {
-    vantage_ = {middle_, kVantage * reach_};
-    ++vantages_;
-  }
   old_samples_ = memory_.kept->emitters() == memory_.emitters;
   faces_changes_ = memory_.kept->change().added().has_value() && faces_changes(receiver);
+  if (faces_changes_ && old_) look_from({receiver.middle().position, receiver.reach()});
+}
+
+void RayRecall::look_from(const Ball& origins) {
+  own_ = memory_.kept->vantage(origins);
+  const Ball& around = vantage_.origins;
+  const bool within = glm::length(origins.middle - around.middle) + origins.radius <= around.radius;
+  if (within && vantages_ > 0) return;
+  vantage_ = memory_.kept->vantage({origins.middle, kVantage * origins.radius});
+  ++vantages_;
 }
 
 /// Whether some of what was added lies before the plane of the receiver.
@@ -126,15 +131,19 @@ std::uint32_t RayRecall::known_code(std::uint32_t ray) const {
   return load_exactly(known_->codes.data(), width_, ray);
 }
 
+bool RayRecall::stands_clear_from_vantage(std::uint32_t seen) const {
+  const KeptSenders& senders = memory_.senders;
+  if (seen >= memory_.sender_count) return seen >= memory_.sender_count + kIsNoRay;
+  if (senders.codes[seen] != RayCodes::kUnknown)
+    return memory_.kept->stands_clear(vantage_, senders.codes[seen]);
+  return seen < senders.balls.size() && memory_.kept->stands_clear(vantage_, senders.balls[seen]);
+}
+
 /// Whether nothing new can stand before any of a sender, seen from the receiver.
 bool RayRecall::stands_clear_of(std::uint32_t seen) {
   std::uint32_t& clear = clear_senders_[seen];
   if (clear / 2 != vantages_) {
-    const std::vector<Ball>& balls = memory_.senders.balls;
-    const bool is_clear = seen < balls.size()
-                              ? memory_.kept->stands_clear(vantage_.middle, vantage_.radius, balls[seen])
-                              : seen >= memory_.sender_count + kIsNoRay;
-    clear = 2 * vantages_ + (is_clear ? 1u : 0u);
+    clear = 2 * vantages_ + (stands_clear_from_vantage(seen) ? 1u : 0u);
   }
   return clear % 2 != 0;
 }
@@ -194,9 +203,7 @@ std::uint32_t RayRecall::confirm(const RayNumbers& numbers, std::uint32_t lanes,
 
 /// Whether nothing new can stand before what the receiver saw, wherever on both the ray began and ended.
 bool RayRecall::stands_clear(std::uint32_t code) const {
-  if (!faces_changes_ || code == RayCodes::kNoRay) return true;
-  const RayCodes& codes = memory_.codes;
-  return codes.is_element(code) && memory_.kept->stands_clear(middle_, reach_, code - codes.first_element());
+  return !faces_changes_ || memory_.kept->stands_clear(own_, code);
 }
 
 std::uint32_t RayRecall::recall(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,

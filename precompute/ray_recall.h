@@ -65,6 +65,8 @@ class RayRecall {
 
  private:
   bool know_old(std::span<const std::uint32_t> numbers, std::span<std::uint32_t> seen);
+  void look_from(const Ball& origins);
+  bool stands_clear_from_vantage(std::uint32_t seen) const;
   bool stands_clear_of(std::uint32_t seen);
   std::uint32_t with_doubt(std::uint32_t seen, std::uint32_t code);
   bool tell(std::uint32_t code, std::uint32_t ray, std::span<const EmitterHit> hits, std::size_t lane,
@@ -90,9 +92,8 @@ class RayRecall {
   std::optional<OldRays> old_;
   bool old_samples_ = false;    ///< are of the same emitters
   bool faces_changes_ = true;   ///< rays may meet what was added
-  glm::vec3 middle_{0.0f};      ///< of the receiver
-  float reach_ = 0.0f;          ///< m, from there to the origins of its rays
-  Ball vantage_{};              ///< holds the origins of all rays of the receiver, and of others around it
+  Vantage own_{};               ///< of the receiver, where it faces changes
+  Vantage vantage_{};           ///< of the receiver, and of others around it
   std::uint32_t vantages_ = 0;  ///< so many there were
   /// Per number to count by: twice vantages_, when last asked, and 1 for yes.
   std::vector<std::uint32_t> clear_senders_;
