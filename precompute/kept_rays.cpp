@@ -94,16 +94,7 @@ void KeptRays::find_balls(const Surfaces& surfaces) {
 void KeptRays::translate(const Surfaces& surfaces, const RayCaster& caster, const SenderLookup& lookup,
                          std::span<const std::uint64_t> keys) {
   const Geometry& geometry = surfaces.geometry;
-  const auto ties = [](const std::vector<std::uint8_t>& flags, std::uint32_t t) {
-    return !flags.empty() && flags[t] != 0;
-  };
-  std::vector<bool> settled(geometry.triangles.size(),
-                            false);  // unchanged, and ties are looked for as before
-  for (std::uint32_t t = 0; t < change_.new_triangles().size(); ++t) {
-    if (change_.new_triangles()[t] == kNone) continue;
-    settled[change_.new_triangles()[t]] =
-        ties(old_.ties, t) == ties(caster.ties(), change_.new_triangles()[t]);
-  }
+  const std::vector<bool> settled = change_.settled(caster);
   new_codes_.assign(old_codes_.count(), RayCodes::kUnknown);
   new_codes_[RayCodes::kNoRay] = RayCodes::kNoRay;
   for (std::uint32_t code = RayCodes::kFirstCell; RayCodes::is_sky(code); ++code) {
@@ -141,7 +132,8 @@ KeptSenders KeptRays::senders(const SenderLookup& lookup, std::span<const std::u
   }
   kept.met.push_back({RayCodes::kUnknown, open});
   kept.codes.assign(open, RayCodes::kUnknown);
-  for (std::uint32_t code = RayCodes::kFirstCell; RayCodes::is_sky(code); ++code) kept.codes[seen[code]] = code;
+  for (std::uint32_t code = RayCodes::kFirstCell; RayCodes::is_sky(code); ++code)
+    kept.codes[seen[code]] = code;
   std::vector<Box> boxes;
   const auto for_each_kept = [&](auto&& visit) {
     for (std::uint32_t e = 0; e < old_elements_.size(); ++e) {

@@ -104,7 +104,7 @@ class KeptRays {
   const SceneChange& change_;
   const RowsFile& old_;
   RayCodes old_codes_, codes_;
-  std::uint32_t old_width_ = 0;  ///< of old_codes_
+  std::uint32_t old_width_ = 0;                ///< of old_codes_
   Box added_;                                  ///< holds all that was added, and a margin
   float usual_radius_ = 0.0f;                  ///< m, that most of balls_ have
   std::vector<std::uint32_t> old_elements_;    ///< per element of this scene: which it was, or kNone

@@ -214,7 +214,11 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
   if (auto added = add_light_samples(surfaces.geometry, caster, *model, views, whole); !added)
     return tl::unexpected(added.error());
   if (keeper != nullptr) keeper->keep_whole(rows->orders, whole, views.take_answers());
-  light_model(scene, surfaces.geometry, caster, *model, report.warnings);
+  const auto earlier = keeper != nullptr ? keeper->earlier_looks() : std::nullopt;
+  EnclosedGrid looked;
+  light_model(scene, surfaces.geometry, caster, earlier ? &*earlier : nullptr, *model, report.warnings,
+              &looked);
+  if (keeper != nullptr) keeper->keep_looks(std::move(looked));
   if (!scene.cameras.empty()) model->camera = scene.cameras.front();
   model->provenance = {scene.file_name, "relume 0.1.0", caster.description(),
                        options_json(options, report, plan)};

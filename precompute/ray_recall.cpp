@@ -148,21 +148,32 @@ bool RayRecall::stands_clear_of(std::uint32_t seen) {
   return clear % 2 != 0;
 }
 
-std::uint32_t RayRecall::with_doubt(std::uint32_t seen, std::uint32_t code) {
-  return stands_clear_of(seen) || stands_clear(code) ? seen : seen | kDoubtful;
-}
-
-bool RayRecall::know(std::span<const std::uint32_t> numbers, std::vector<std::uint32_t>& seen) {
-  seen.assign(numbers.size(), memory_.sender_count + kIsOpen);
+void RayRecall::know(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally) {
   if (known_ != nullptr && !blank_) {
-    for (std::size_t i = 0; i < numbers.size(); ++i) seen[i] = memory_.seen[known_code(numbers[i])];
+    know_booked(numbers, first, tally);
+  } else if (old_) {
+    know_old(numbers, first, tally);
+  } else {
+    for (std::size_t i = 0; i < numbers.size(); ++i) tally.open.push_back(first + std::uint32_t(i));
   }
-  return old_ && know_old(numbers, seen);
 }
 
-/// Of the rays that are still open. All that the loop needs is in local variables: rays are many, and what it
-/// writes might be anything.
-bool RayRecall::know_old(std::span<const std::uint32_t> numbers, std::span<std::uint32_t> seen) {
+/// Some rays were booked in this run: the others are asked for one by one.
+void RayRecall::know_booked(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally) {
+  for (std::uint32_t i = 0; i < numbers.size(); ++i) {
+    const std::uint32_t seen = memory_.seen[known_code(numbers[i])];
+    if (seen != memory_.sender_count + kIsOpen) {
+      tally.count(seen);
+    } else if (old_) {
+      know_old(numbers.subspan(i, 1), first + i, tally);
+    } else {
+      tally.open.push_back(first + i);
+    }
+  }
+}
+
+/// All that the loop needs is in local variables: rays are many, and what it writes might be anything.
+void RayRecall::know_old(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally) {
   const std::uint32_t senders = memory_.sender_count, open = senders + kIsOpen, clear = 2 * vantages_ + 1,
                       rays = known_ != nullptr ? std::min(old_->rays, known_->rays) : old_->rays,
                       old_width = memory_.kept->old_width(), width = width_;
@@ -172,20 +183,23 @@ bool RayRecall::know_old(std::span<const std::uint32_t> numbers, std::span<std::
   std::byte* const codes = known_ != nullptr ? known_->codes.data() : nullptr;
   const std::uint32_t* const clear_senders = clear_senders_.data();
   const bool faces_changes = faces_changes_;
-  std::uint32_t kept = 0, doubtful = 0;
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < numbers.size(); ++i) {
     const std::uint32_t ray = numbers[i];
-    if (seen[i] != open || ray >= rays) continue;
-    const KeptSenders::Met now = met[std::min(load_code(old_codes, old_width, ray), last)];
-    std::uint32_t place = now.seen;
-    if (faces_changes && clear_senders[place] != clear) place = with_doubt(place, now.code);
-    seen[i] = place;
-    kept += place < senders + kIsNoRay ? 1 : 0;
-    doubtful += place > open ? 1 : 0;
-    if (codes != nullptr && place < open) store_code(codes, width, ray, now.code);
+    const KeptSenders::Met now =
+        ray < rays ? met[std::min(load_code(old_codes, old_width, ray), last)] : met[last];
+    if (now.seen == open) {
+      tally.open.push_back(first + i);
+    } else if (faces_changes && clear_senders[now.seen] != clear && !stands_clear_of(now.seen) &&
+               !stands_clear(now.code)) {
+      tally.doubtful.push_back(first + i), tally.doubts.push_back(now.seen);
+    } else {
+      tally.count(now.seen);
+      kept += now.seen < senders + kIsNoRay ? 1 : 0;
+      if (codes != nullptr) store_code(codes, width, ray, now.code);
+    }
   }
   kept_rays_ += kept;
-  return doubtful > 0;
 }
 
 std::uint32_t RayRecall::confirm(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays) {

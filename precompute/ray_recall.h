@@ -43,7 +43,7 @@ class RayRecall {
   void end();
 
   /// As RaySight::know.
-  bool know(std::span<const std::uint32_t> numbers, std::vector<std::uint32_t>& seen);
+  void know(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally);
   /// As RaySight::confirm.
   std::uint32_t confirm(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays);
   /// Of the lanes `asked`, with these numbers in the sequence: those that are known, and what they see. Of
@@ -64,11 +64,11 @@ class RayRecall {
   std::uint64_t kept_samples() const { return kept_samples_; }
 
  private:
-  bool know_old(std::span<const std::uint32_t> numbers, std::span<std::uint32_t> seen);
+  void know_booked(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally);
+  void know_old(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally);
   void look_from(const Ball& origins);
   bool stands_clear_from_vantage(std::uint32_t seen) const;
   bool stands_clear_of(std::uint32_t seen);
-  std::uint32_t with_doubt(std::uint32_t seen, std::uint32_t code);
   bool tell(std::uint32_t code, std::uint32_t ray, std::span<const EmitterHit> hits, std::size_t lane,
             PacketSight& sight) const;
   std::uint32_t recall_old(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,

@@ -46,6 +46,29 @@ struct ReceiverRecord {
 };
 static_assert(sizeof(ReceiverRecord) == 24);
 
+/// Points that the rig (rig.h) looks around from: the middles of cells of this edge, from `lower` on, x
+/// fastest. Stored.
+struct LookGrid {
+  glm::vec3 lower{0.0f};
+  float step = 0.0f;  ///< m; 0: there are none
+  glm::ivec3 size{1};
+  std::uint32_t reserved = 0;  ///< zero
+
+  bool operator==(const LookGrid&) const = default;
+  std::size_t points() const {
+    return step > 0.0f ? std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z) : 0;
+  }
+};
+static_assert(sizeof(LookGrid) == 32);
+
+/// What the rays of such a point met, the first in the lowest bit. Stored.
+struct PointLook {
+  std::uint64_t escaped = 0, back = 0;
+  std::uint32_t rays = 0;      ///< traced
+  std::uint32_t reserved = 0;  ///< zero
+};
+static_assert(sizeof(PointLook) == 24);
+
 /// A sample of an emitter's area, in two bits.
 enum class SampleState : std::uint8_t {
   unknown,
@@ -69,6 +92,8 @@ struct RowsFile {
   std::vector<std::uint64_t> element_keys;
   std::vector<std::uint8_t> whole_elements;  ///< per element: all of its light patches belong to it
   std::vector<std::uint64_t> views;          ///< answers about surroundings (views.h), ascending
+  LookGrid look_grid;
+  std::vector<PointLook> looks;              ///< per point of the grid
   std::vector<ReceiverRecord> receivers;     ///< ascending by identity
   std::span<const std::byte> codes;          ///< of all receivers; kCodePadding bytes follow
   std::span<const std::byte> samples;        ///< of all receivers; each begins a new byte

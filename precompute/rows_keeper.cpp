@@ -68,6 +68,15 @@ void RowsKeeper::keep_whole(const std::vector<std::vector<std::uint32_t>>& order
   }
 }
 
+std::optional<EarlierLooks> RowsKeeper::earlier_looks() const {
+  if (!change_ || !change_->comparable()) return std::nullopt;
+  return EarlierLooks{change_->old(), change_->changed_boxes(surfaces_->geometry, caster_)};
+}
+
+void RowsKeeper::keep_looks(EnclosedGrid grid) {
+  looked_ = std::move(grid);
+}
+
 std::uint64_t RowsKeeper::memory_of(std::uint64_t rays) const {
   return memory_.record ? rays * memory_.codes.width() : 0;
 }
@@ -88,6 +97,7 @@ FileParts RowsKeeper::finish(const PrecomputeReport& report) {
   file.element_keys = std::move(element_keys_), file.whole_elements = std::move(whole_);
   std::set_union(surfaces_->views.begin(), surfaces_->views.end(), patch_views_.begin(), patch_views_.end(),
                  std::back_inserter(file.views));
+  file.look_grid = looked_.grid, file.looks = std::move(looked_.looks);
   return memory_.record->encode(file);
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "precompute/enclosed_grid.h"
 #include "precompute/kept_rays.h"
 #include "precompute/light_samples.h"
 #include "precompute/precompute.h"
@@ -36,6 +37,9 @@ class RowsKeeper {
   /// Of the others, `views` are the answers about their patches.
   void keep_whole(const std::vector<std::vector<std::uint32_t>>& orders, const WholeElements& whole,
                   std::vector<std::uint64_t> views);
+  /// Of what the rig sees; nothing without old rows.
+  std::optional<EarlierLooks> earlier_looks() const;
+  void keep_looks(EnclosedGrid grid);
   /// Bytes that so many rays take, until their file is written.
   std::uint64_t memory_of(std::uint64_t rays) const;
   /// The bytes of a .rows file, where options ask to keep rows. Forgets the rays.
@@ -52,6 +56,7 @@ class RowsKeeper {
   std::vector<std::uint64_t> triangle_keys_, element_keys_;
   std::vector<std::uint8_t> whole_;  ///< per element of all systems
   std::vector<std::uint64_t> patch_views_;
+  EnclosedGrid looked_;
   std::optional<SceneChange> change_;
   std::optional<KeptRays> kept_;
   RayMemory memory_;

@@ -16,6 +16,9 @@ namespace {
 /// the largest coordinate.
 constexpr float kMargin = 0x1p-15f;
 
+/// More boxes are joined to one.
+constexpr std::size_t kMostBoxes = 8;
+
 /// Of `old_of`, the longest part that ascends (M. Fredman, On Computing the Length of Longest Increasing
 /// Subsequences, 1975): true where an entry belongs to it. kNone never does.
 std::vector<bool> ascending(const std::vector<std::uint32_t>& old_of) {
@@ -104,6 +107,7 @@ void SceneChange::match(const Geometry& geometry, const Scene& scene, std::span<
   const std::vector<bool> unchanged = ascending(old_of);
   std::set<std::string> nodes;
   new_triangles_.assign(old_.triangles.size(), kNone);
+  triangles_ = keys.size();
   for (std::uint32_t t = 0; t < keys.size(); ++t) {
     if (unchanged[t]) {
       new_triangles_[old_of[t]] = t;
@@ -131,9 +135,37 @@ Result<void> SceneChange::cast(const Geometry& geometry) {
   if (!boxes.empty()) {
     added_bounds_ = BoxTree(boxes).bounds();
   }
+  const std::size_t added_boxes = boxes.size();
   for (const auto t : removed_triangles_) boxes.push_back(box_of(old_.positions, old_.triangles[t]));
+  if (boxes.size() > added_boxes)
+    removed_bounds_ = BoxTree({boxes.begin() + std::ptrdiff_t(added_boxes), boxes.end()}).bounds();
   boxes_ = BoxTree(std::move(boxes));
   return {};
+}
+
+std::vector<bool> SceneChange::settled(const RayCaster& caster) const {
+  const auto flags = [](const std::vector<std::uint8_t>& ties, std::uint32_t t) {
+    return !ties.empty() && ties[t] != 0;
+  };
+  std::vector<bool> settled(triangles_, false);
+  for (std::uint32_t t = 0; t < new_triangles_.size(); ++t) {
+    const std::uint32_t own = new_triangles_[t];
+    if (own != kNone) settled[own] = flags(old_.ties, t) == flags(caster.ties(), own);
+  }
+  return settled;
+}
+
+std::vector<Box> SceneChange::changed_boxes(const Geometry& geometry, const RayCaster& caster) const {
+  std::vector<Box> boxes;
+  const std::vector<bool> same = settled(caster);
+  for (const std::uint32_t t : new_triangles_) {
+    if (t != kNone && !same[t]) boxes.push_back(box_of(geometry.positions, geometry.triangles[t]));
+  }
+  if (boxes.size() > kMostBoxes) boxes = {BoxTree(boxes).bounds()};
+  if (added_) boxes.push_back(added_bounds_);
+  if (removed_) boxes.push_back(removed_bounds_);
+  for (Box& box : boxes) box.lower -= margin_, box.upper += margin_;
+  return boxes;
 }
 
 bool SceneChange::disturbed(const glm::vec3& position, float reach) const {

@@ -36,6 +36,11 @@ class SceneChange {
   /// Rays among what was added, or taken away; none when nothing was.
   const std::optional<RayCaster>& added() const { return added_; }
   const std::optional<RayCaster>& removed() const { return removed_; }
+  /// Per triangle of this scene: whether it is as it was, and hits as far away as those on it are settled as
+  /// before.
+  std::vector<bool> settled(const RayCaster& caster) const;
+  /// Outside of these, rays of this scene meet what they met.
+  std::vector<Box> changed_boxes(const Geometry& geometry, const RayCaster& caster) const;
   /// Of what was added, when something was.
   const Box& added_bounds() const { return added_bounds_; }
   /// m: no two places closer than that are told apart.
@@ -58,8 +63,9 @@ class SceneChange {
   std::vector<std::uint32_t> added_triangles_;    ///< of this scene
   std::vector<std::uint32_t> removed_triangles_;  ///< of the old one
   std::optional<RayCaster> added_, removed_;
-  Box added_bounds_;
-  BoxTree boxes_;  ///< of all that changed
+  Box added_bounds_, removed_bounds_;
+  std::size_t triangles_ = 0;  ///< of this scene
+  BoxTree boxes_;              ///< of all that changed
   float margin_ = 0.0f;
   std::unordered_set<std::uint64_t> old_elements_;
 };

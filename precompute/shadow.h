@@ -33,10 +33,10 @@ class Shadow {
 
  private:
   glm::vec3 from_{0.0f};
-  float radius_ = -1.0f;           ///< so large may balls be
-  std::array<int, 3> axes_{0, 1, 2};  ///< towards the box, and aside
-  float side_ = 1.0f;              ///< of the box, along the first axis
-  float nearest_ = 0.0f;           ///< of the box, along the first axis
+  float radius_ = -1.0f;                    ///< so large may balls be
+  std::array<int, 3> axes_{0, 1, 2};        ///< towards the box, and aside
+  float side_ = 1.0f;                       ///< of the box, along the first axis
+  float nearest_ = 0.0f;                    ///< of the box, along the first axis
   std::array<float, 2> lower_{}, upper_{};  ///< slopes of the pyramid
 };
 
