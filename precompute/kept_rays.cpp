@@ -55,6 +55,11 @@ Result<KeptRays> KeptRays::compare(const SceneChange& change, const std::string&
         fmt::format("{}: expected rows of --texel-size {}, found those of {}; precompute without --update",
                     name, texel_size, kept.old_.settings.texel_size));
   }
+  if (kept.old_.ray_tracer != caster.description()) {
+    return fail(ErrorCode::bad_input,
+                fmt::format("{}: expected rows traced by {}, found those of {}; precompute without --update",
+                            name, caster.description(), kept.old_.ray_tracer));
+  }
   if (!change.comparable()) return kept;
   kept.old_codes_ = kept.old_.ray_codes();
   kept.old_width_ = kept.old_codes_.width();
@@ -154,13 +159,15 @@ KeptSenders KeptRays::senders(const SenderLookup& lookup, std::span<const std::u
 }
 
 void KeptRays::index_receivers() {
-  first_receiver_.assign((std::size_t{1} << kFirstBits) + 1, 0);
+  first_place_.assign((std::size_t{1} << kFirstBits) + 1, 0);
   for (const ReceiverRecord& receiver : old_.receivers)
-    ++first_receiver_[(receiver.identity >> (64 - kFirstBits)) + 1];
-  for (std::size_t i = 1; i < first_receiver_.size(); ++i) first_receiver_[i] += first_receiver_[i - 1];
+    ++first_place_[(receiver.identity >> (64 - kFirstBits)) + 1];
+  for (std::size_t i = 1; i < first_place_.size(); ++i) first_place_[i] += first_place_[i - 1];
+  places_.reserve(old_.receivers.size());
   std::uint64_t codes = 0, samples = 0, hits = 0;
   for (const ReceiverRecord& receiver : old_.receivers) {
-    first_code_.push_back(codes), first_sample_.push_back(samples), first_hit_.push_back(hits);
+    places_.push_back(
+        {receiver.identity, codes, samples, hits, receiver.rays, receiver.samples, receiver.emitter_hits});
     codes += receiver.rays;
     samples += (receiver.samples + kSamplesPerByte - 1) / kSamplesPerByte;
     hits += receiver.emitter_hits;
@@ -169,16 +176,15 @@ void KeptRays::index_receivers() {
 
 std::optional<OldRays> KeptRays::find(std::uint64_t identity) const {
   if (new_codes_.empty()) return std::nullopt;
-  const auto part = old_.receivers.begin() + first_receiver_[identity >> (64 - kFirstBits)],
-             end = old_.receivers.begin() + first_receiver_[(identity >> (64 - kFirstBits)) + 1];
-  const auto found = std::lower_bound(
-      part, end, identity,
-      [](const ReceiverRecord& receiver, std::uint64_t wanted) { return receiver.identity < wanted; });
+  const std::uint64_t bits = identity >> (64 - kFirstBits);
+  const auto end = places_.begin() + first_place_[bits + 1];
+  const auto found =
+      std::lower_bound(places_.begin() + first_place_[bits], end, identity,
+                       [](const Place& place, std::uint64_t wanted) { return place.identity < wanted; });
   if (found == end || found->identity != identity) return std::nullopt;
-  const auto i = std::size_t(found - old_.receivers.begin());
-  const OldRays rays{old_.codes.data() + first_code_[i] * old_width_, found->rays,
-                     old_.samples.data() + first_sample_[i], found->samples,
-                     old_.emitter_hits.subspan(first_hit_[i], found->emitter_hits)};
+  const OldRays rays{old_.codes.data() + found->first_code * old_width_, found->rays,
+                     old_.samples.data() + found->first_sample, found->samples,
+                     old_.emitter_hits.subspan(found->first_hit, found->hits)};
   // They are asked for in another order than they lie in.
   for (std::size_t byte = 0; byte < std::size_t{rays.rays} * old_width_; byte += kCacheLine)
     __builtin_prefetch(rays.codes + byte);

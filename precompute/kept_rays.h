@@ -49,8 +49,8 @@ struct KeptSenders {
 /// that is still there, unchanged, and nothing new stands before it. Thread-safe.
 class KeptRays {
  public:
-  /// Borrows the change. Fails (bad_input) when the rows are those of another texel size; `name` is used in
-  /// messages.
+  /// Borrows the change. Fails (bad_input) when the rows are those of another texel size or ray tracer;
+  /// `name` is used in messages.
   static Result<KeptRays> compare(const SceneChange& change, const std::string& name, double texel_size,
                                   const Surfaces& surfaces, const RayCaster& caster,
                                   const SenderLookup& lookup, std::span<const std::uint64_t> element_keys);
@@ -104,16 +104,21 @@ class KeptRays {
   const SceneChange& change_;
   const RowsFile& old_;
   RayCodes old_codes_, codes_;
-  std::uint32_t old_width_ = 0;                ///< of old_codes_
-  Box added_;                                  ///< holds all that was added, and a margin
-  float usual_radius_ = 0.0f;                  ///< m, that most of balls_ have
-  std::vector<std::uint32_t> old_elements_;    ///< per element of this scene: which it was, or kNone
-  std::vector<Ball> balls_;                    ///< per element of this scene: they hold it
-  std::vector<Ball> triangle_balls_;           ///< per triangle of this scene
-  std::vector<glm::vec3> cells_;               ///< directions of the sky
-  std::vector<std::uint32_t> new_codes_;       ///< per old code; empty: nothing can be kept
-  std::vector<std::uint32_t> first_receiver_;  ///< of the old ones, by the first bits of their identities
-  std::vector<std::uint64_t> first_code_, first_sample_, first_hit_;  ///< per receiver
+  std::uint32_t old_width_ = 0;              ///< of old_codes_
+  Box added_;                                ///< holds all that was added, and a margin
+  float usual_radius_ = 0.0f;                ///< m, that most of balls_ have
+  std::vector<std::uint32_t> old_elements_;  ///< per element of this scene: which it was, or kNone
+  std::vector<Ball> balls_;                  ///< per element of this scene: they hold it
+  std::vector<Ball> triangle_balls_;         ///< per triangle of this scene
+  std::vector<glm::vec3> cells_;             ///< directions of the sky
+  std::vector<std::uint32_t> new_codes_;     ///< per old code; empty: nothing can be kept
+  /// A receiver of the old scene, and where what is known of it begins.
+  struct Place {
+    std::uint64_t identity, first_code, first_sample, first_hit;
+    std::uint32_t rays, samples, hits;
+  };
+  std::vector<Place> places_;
+  std::vector<std::uint32_t> first_place_;  ///< by the first bits of their identities
 };
 
 }  // namespace relume

@@ -273,16 +273,17 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
     return fail(ErrorCode::bad_input, fmt::format("{}: no static triangles to precompute", scene.file_name));
   Geometry geometry = make_geometry(scene);
   if (auto ok = check_sizes(options, geometry); !ok) return tl::unexpected(ok.error());
-  const auto caster = make_caster(geometry);
-  if (!caster) return tl::unexpected(caster.error());
   if (observer && !observer("surfaces", 0.0))
     return fail(ErrorCode::cancelled, "stopped before the surfaces were cut");
   std::unique_ptr<RowsKeeper> keeper;
   if (options.keep_rows || options.old_rows != nullptr) {
-    auto started = RowsKeeper::start(scene, options, geometry, *caster, report);
+    auto started = RowsKeeper::start(scene, options, geometry, report);
     if (!started) return tl::unexpected(started.error());
     keeper = std::move(*started);
   }
+  const auto caster =
+      make_caster(geometry, keeper ? keeper->known_ties(geometry) : std::vector<std::uint8_t>());
+  if (!caster) return tl::unexpected(caster.error());
   const auto earlier = keeper ? keeper->earlier() : std::nullopt;
   auto surfaces =
       cut_surfaces(scene, options, *caster, std::move(geometry), report, earlier ? &*earlier : nullptr);
@@ -291,7 +292,7 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   RowCounts counts;
   SenderLookup lookup(surfaces->geometry, surfaces->charts, surfaces->layouts, surfaces->systems, *caster);
   if (keeper) {
-    if (auto followed = keeper->follow(*surfaces, lookup, report); !followed)
+    if (auto followed = keeper->follow(*surfaces, lookup, *caster, report); !followed)
       return tl::unexpected(followed.error());
   }
   std::optional<Preparation> prepared;

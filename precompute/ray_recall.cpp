@@ -172,34 +172,55 @@ void RayRecall::know_booked(std::span<const std::uint32_t> numbers, std::uint32_
   }
 }
 
-/// All that the loop needs is in local variables: rays are many, and what it writes might be anything.
 void RayRecall::know_old(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally) {
+  const std::uint32_t width = width_ == memory_.kept->old_width() ? width_ : 0;
+  if (width == 2) {
+    count_old<2>(numbers, first, tally);
+  } else if (width == 3) {
+    count_old<3>(numbers, first, tally);
+  } else {
+    count_old<0>(numbers, first, tally);
+  }
+}
+
+/// `kWidth` of old codes and of new ones; 0: as they say. All that the loop needs is in local variables: rays
+/// are many, and what it writes might be anything.
+template <std::uint32_t kWidth>
+void RayRecall::count_old(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally) {
   const std::uint32_t senders = memory_.sender_count, open = senders + kIsOpen, clear = 2 * vantages_ + 1,
                       rays = known_ != nullptr ? std::min(old_->rays, known_->rays) : old_->rays,
-                      old_width = memory_.kept->old_width(), width = width_;
+                      old_width = kWidth > 0 ? kWidth : memory_.kept->old_width(),
+                      width = kWidth > 0 ? kWidth : width_;
   const KeptSenders::Met* const met = memory_.senders.met.data();
   const std::uint32_t last = std::uint32_t(memory_.senders.met.size()) - 1;
   const std::byte* const old_codes = old_->codes;
   std::byte* const codes = known_ != nullptr ? known_->codes.data() : nullptr;
   const std::uint32_t* const clear_senders = clear_senders_.data();
   const bool faces_changes = faces_changes_;
-  std::uint32_t kept = 0;
+  std::uint32_t* const counts = tally.counts.data();
+  const auto touch = tally.touched.inserter();
+  const std::size_t beyond = tally.counts[senders + kIsNoRay] + tally.open.size() + tally.doubtful.size();
   for (std::uint32_t i = 0; i < numbers.size(); ++i) {
     const std::uint32_t ray = numbers[i];
     const KeptSenders::Met now =
         ray < rays ? met[std::min(load_code(old_codes, old_width, ray), last)] : met[last];
-    if (now.seen == open) {
+    if (now.seen == open) [[unlikely]] {
       tally.open.push_back(first + i);
-    } else if (faces_changes && clear_senders[now.seen] != clear && !stands_clear_of(now.seen) &&
-               !stands_clear(now.code)) {
+    } else if (faces_changes && clear_senders[now.seen] != clear && doubtful(now)) [[unlikely]] {
       tally.doubtful.push_back(first + i), tally.doubts.push_back(now.seen);
     } else {
-      tally.count(now.seen);
-      kept += now.seen < senders + kIsNoRay ? 1 : 0;
+      ++counts[now.seen];
+      touch(now.seen);
       if (codes != nullptr) store_code(codes, width, ray, now.code);
     }
   }
-  kept_rays_ += kept;
+  kept_rays_ +=
+      numbers.size() + beyond - (counts[senders + kIsNoRay] + tally.open.size() + tally.doubtful.size());
+}
+
+/// Whether something new may stand before what the receiver saw. Kept out of the loop that calls it.
+[[gnu::noinline]] bool RayRecall::doubtful(const KeptSenders::Met& met) {
+  return !stands_clear_of(met.seen) && !stands_clear(met.code);
 }
 
 std::uint32_t RayRecall::confirm(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays) {

@@ -66,6 +66,9 @@ class RayRecall {
  private:
   void know_booked(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally);
   void know_old(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally);
+  template <std::uint32_t kWidth>
+  void count_old(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally);
+  bool doubtful(const KeptSenders::Met& met);
   void look_from(const Ball& origins);
   bool stands_clear_from_vantage(std::uint32_t seen) const;
   bool stands_clear_of(std::uint32_t seen);

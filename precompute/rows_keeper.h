@@ -19,14 +19,16 @@ namespace relume {
 /// PrecomputeReport::rows.
 class RowsKeeper {
  public:
-  /// Before surfaces are cut. Borrows scene, options and caster. Fails as SceneChange::find does.
+  /// Before surfaces are cut. Borrows scene and options. Fails as SceneChange::find does.
   static Result<std::unique_ptr<RowsKeeper>> start(const Scene& scene, const PrecomputeOptions& options,
-                                                   const Geometry& geometry, const RayCaster& caster,
-                                                   PrecomputeReport& report);
+                                                   const Geometry& geometry, PrecomputeReport& report);
+  /// As RayCaster::create takes them.
+  std::vector<std::uint8_t> known_ties(const Geometry& geometry) const;
   /// For cut_surfaces; nothing without old rows.
   std::optional<EarlierSurfaces> earlier() const;
-  /// Once they are cut; borrows both. Fails as KeptRays::compare does.
-  Result<void> follow(const Surfaces& surfaces, const SenderLookup& lookup, const PrecomputeReport& report);
+  /// Once they are cut; borrows all. Fails as KeptRays::compare does.
+  Result<void> follow(const Surfaces& surfaces, const SenderLookup& lookup, const RayCaster& caster,
+                      const PrecomputeReport& report);
 
   /// Since the old rows; nothing without.
   const SceneChange* change() const { return change_ ? &*change_ : nullptr; }
@@ -46,13 +48,12 @@ class RowsKeeper {
   FileParts finish(const PrecomputeReport& report);
 
  private:
-  RowsKeeper(const Scene& scene, const PrecomputeOptions& options, const Geometry& geometry,
-             const RayCaster& caster);
+  RowsKeeper(const Scene& scene, const PrecomputeOptions& options, const Geometry& geometry);
 
   const Scene& scene_;
   const PrecomputeOptions& options_;
-  const RayCaster& caster_;
   const Surfaces* surfaces_ = nullptr;  ///< once they are cut
+  const RayCaster* caster_ = nullptr;   ///< then
   std::vector<std::uint64_t> triangle_keys_, element_keys_;
   std::vector<std::uint8_t> whole_;  ///< per element of all systems
   std::vector<std::uint64_t> patch_views_;

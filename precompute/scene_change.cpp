@@ -58,26 +58,16 @@ Result<std::optional<RayCaster>> caster_of(std::span<const glm::vec3> positions,
   return std::optional<RayCaster>(std::move(*caster));
 }
 
-Result<void> check_settings(const RowsFile& old, const std::string& name, std::uint64_t seed,
-                            const RayCaster& caster) {
-  const auto bad = [&](const std::string& what) {
-    return fail(ErrorCode::bad_input, fmt::format("{}: {}; precompute without --update", name, what));
-  };
-  if (old.settings.seed != seed)
-    return bad(fmt::format("expected rows of --seed {}, found those of {}", seed, old.settings.seed));
-  if (old.ray_tracer != caster.description()) {
-    return bad(
-        fmt::format("expected rows traced by {}, found those of {}", caster.description(), old.ray_tracer));
-  }
-  return {};
-}
-
 }  // namespace
 
 Result<SceneChange> SceneChange::find(const RowsFile& old, const std::string& name, const Scene& scene,
-                                      const Geometry& geometry, const RayCaster& caster, std::uint64_t seed,
+                                      const Geometry& geometry, std::uint64_t seed,
                                       std::span<const std::uint64_t> keys) {
-  if (auto same = check_settings(old, name, seed, caster); !same) return tl::unexpected(same.error());
+  if (old.settings.seed != seed) {
+    return fail(ErrorCode::bad_input,
+                fmt::format("{}: expected rows of --seed {}, found those of {}; precompute without --update",
+                            name, seed, old.settings.seed));
+  }
   SceneChange change(old);
   change.margin_ = kMargin * largest_coordinate(geometry.positions);
   change.match(geometry, scene, keys);
@@ -141,6 +131,24 @@ Result<void> SceneChange::cast(const Geometry& geometry) {
     removed_bounds_ = BoxTree({boxes.begin() + std::ptrdiff_t(added_boxes), boxes.end()}).bounds();
   boxes_ = BoxTree(std::move(boxes));
   return {};
+}
+
+std::vector<std::uint8_t> SceneChange::known_ties(const Geometry& geometry) const {
+  // What is near or thin is told by the largest coordinate.
+  if (!comparable_ || largest_coordinate(geometry.positions) != largest_coordinate(old_.positions)) return {};
+  std::vector<Box> boxes;
+  for (const auto t : removed_triangles_) boxes.push_back(box_of(old_.positions, old_.triangles[t]));
+  const BoxTree removed(std::move(boxes));
+  std::vector<std::uint8_t> known(triangles_, kUnknownTies);
+  for (std::uint32_t t = 0; t < new_triangles_.size(); ++t) {
+    if (new_triangles_[t] == kNone) continue;
+    const std::uint8_t flags = old_.ties.empty() ? 0 : old_.ties[t];
+    Box box = box_of(old_.positions, old_.triangles[t]);
+    box.lower -= margin_, box.upper += margin_;
+    // What it lay on may be gone.
+    if (flags == 0 || !removed.meets(box)) known[new_triangles_[t]] = flags;
+  }
+  return known;
 }
 
 std::vector<bool> SceneChange::settled(const RayCaster& caster) const {
