@@ -228,10 +228,12 @@ FormFactorRow RowTracer::finish_row(const Totals& totals) {
       close_row(emitted, totals.traced > 0 ? double(counted) / totals.traced : 0.0, row_sum);
   row.senders.reserve(tally_.touched.size());
   row.values.reserve(tally_.touched.size());
+  const bool any_emitters = !scene_.emitters.list.empty();
   tally_.touched.drain([&](std::uint32_t sender) {
     if (sender >= sender_count(scene_)) return;
     double value = tally_.counts[sender] * scales.counted / std::max(1u, totals.traced);
-    const std::uint32_t emitter = sender < scene_.cluster_count ? scene_.emitters.of(sender) : kNone;
+    const std::uint32_t emitter =
+        any_emitters && sender < scene_.cluster_count ? scene_.emitters.of(sender) : kNone;
     if (emitter != kNone) value += emitter_sums_[emitter] * scales.emitted;
     row.senders.push_back(sender);
     row.values.push_back(float(value));

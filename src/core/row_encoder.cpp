@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 
 #include "core/value_codec.h"
 
@@ -69,37 +70,63 @@ void encode_sqrt8(std::span<const double> values, double row_max, std::uint32_t*
   }
 }
 
-constexpr std::size_t kScales = 8;
-using Scales = std::array<float, kScales>;
+constexpr std::size_t kLanes = 8;
+using Lanes = std::array<double, kLanes>;
 
-/// For each of some scales, the larger of the sums of the row decoded in double and in f32.
-[[gnu::target_clones("avx2", "default")]] void decoded_sums(std::span<const double> unscaled,
-                                                            const Scales& scales, double* sums) {
-  std::array<double, kScales> in_double{}, in_float{};
-  for (const double value : unscaled) {
-    const auto rounded = static_cast<float>(value);
-    for (std::size_t i = 0; i < kScales; ++i) {
-      in_double[i] += value * double(scales[i]);
-      in_float[i] += double(rounded * scales[i]);
-    }
+double sum_of(const Lanes& lanes) {
+  return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
+}
+
+/// The same from every machine: so many sums side by side, of every so many-th value.
+[[gnu::target_clones("avx2", "default")]] double sum_of(const double* values, std::size_t count) {
+  Lanes lanes{};
+  std::size_t i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) lanes[lane] += values[i + lane];
   }
-  for (std::size_t i = 0; i < kScales; ++i) sums[i] = std::max(in_double[i], in_float[i]);
+  for (; i < count; ++i) lanes[i % kLanes] += values[i];
+  return sum_of(lanes);
+}
+
+/// The sum of a row decoded in f32, with as many terms side by side.
+[[gnu::target_clones("avx2", "default")]] double decoded_in_float(const double* unscaled, std::size_t count,
+                                                                  float scale) {
+  Lanes lanes{};
+  std::size_t i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+      lanes[lane] += double(static_cast<float>(unscaled[i + lane]) * scale);
+  }
+  for (; i < count; ++i) lanes[i % kLanes] += double(static_cast<float>(unscaled[i]) * scale);
+  return sum_of(lanes);
+}
+
+/// The larger of the sums of a row decoded in double and in f32, term by term.
+double decoded_sum(std::span<const double> unscaled, float scale) {
+  double in_double = 0.0, in_float = 0.0;
+  for (const double value : unscaled) {
+    in_double += value * double(scale);
+    in_float += double(static_cast<float>(value) * scale);
+  }
+  return std::max(in_double, in_float);
+}
+
+/// Whether the decoded sum stays at or below `target`, in the order of the terms. Where it is not close,
+/// quicker sums tell: in whatever order, a sum of n positive terms is off by less than n units of rounding.
+bool fits(std::span<const double> unscaled, double sum_of_codes, float scale, double target) {
+  const double slack =
+      4.0 * double(unscaled.size() + kLanes) * std::numeric_limits<double>::epsilon() * target;
+  const double near =
+      std::max(sum_of_codes * double(scale), decoded_in_float(unscaled.data(), unscaled.size(), scale));
+  if (near + slack < target) return true;
+  if (near - slack > target) return false;
+  return decoded_sum(unscaled, scale) <= target;
 }
 
 /// The first scale, from `scale` down, whose decoded sum stays at or below `target`.
-float fitting_scale(std::span<const double> unscaled, float scale, double target) {
-  for (;;) {
-    Scales scales{};
-    for (float& next : scales) {
-      next = scale;
-      scale = std::nextafter(scale, 0.0f);
-    }
-    std::array<double, kScales> sums{};
-    decoded_sums(unscaled, scales, sums.data());
-    for (std::size_t i = 0; i < kScales; ++i) {
-      if (scales[i] <= 0.0f || sums[i] <= target) return scales[i];
-    }
-  }
+float fitting_scale(std::span<const double> unscaled, double sum_of_codes, float scale, double target) {
+  while (scale > 0.0f && !fits(unscaled, sum_of_codes, scale, target)) scale = std::nextafter(scale, 0.0f);
+  return scale;
 }
 
 /// Whether a row of f32 is its own code: nothing vanishes, and its sum needs no repair.
@@ -150,13 +177,16 @@ void encode_row(std::span<const double> values, ValueCodec codec, EncodedRow& ro
   } else {
     encode_sqrt8(values, row_max, row.codes.data(), row.unscaled.data());
   }
-  double sum = 0.0, sum_of_codes = 0.0;
-  for (std::size_t i = 0; i < values.size(); ++i) sum += values[i], sum_of_codes += row.unscaled[i];
+  // Floats add up in double to the same number, decoded either way, if terms keep their order.
+  const bool in_order = codec == ValueCodec::f32;
+  const double sum = in_order ? std::accumulate(values.begin(), values.end(), 0.0)
+                              : sum_of(values.data(), values.size()),
+               sum_of_codes = in_order ? std::accumulate(row.unscaled.begin(), row.unscaled.end(), 0.0)
+                                       : sum_of(row.unscaled.data(), row.unscaled.size());
   const double target = std::min(1.0, sum);
   row.scale = 1.0f;
-  // Floats add up in double to the same number, decoded either way.
-  if (sum_of_codes <= 0.0 || (codec == ValueCodec::f32 && sum_of_codes <= target)) return;
-  row.scale = fitting_scale(row.unscaled, round_down_to_float(target / sum_of_codes), target);
+  if (sum_of_codes <= 0.0 || (in_order && sum_of_codes <= target)) return;
+  row.scale = fitting_scale(row.unscaled, sum_of_codes, round_down_to_float(target / sum_of_codes), target);
 }
 
 StoredRow RowEncoder::encode(ValueCodec codec, std::span<const std::uint16_t> columns,
