@@ -2,6 +2,7 @@
 #include "precompute/precompute.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
 #include <chrono>
@@ -203,7 +204,12 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
                          prepared.emitters,
                          prepared.senders,
                          surfaces.cluster_count()};
-  auto model = assemble_model(parts, plan.codec, options.max_albedo, report);
+  Result<Model> model;
+  const bool keeps = keeper != nullptr && options.keep_rows && prepared.rows.memory != nullptr;
+  tbb::parallel_invoke([&] { model = assemble_model(parts, plan.codec, options.max_albedo, report); },
+                       [&] {
+                         if (keeps) keeper->take_rays();
+                       });
   report.seconds_rows = seconds_since(rows_start);
   if (!model) return model;
   add_sensors(options, rows->sensor_systems, *model);

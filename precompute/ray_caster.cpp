@@ -9,7 +9,7 @@
 
 #include "core/ray_offset.h"
 #include "precompute/embree_memory.h"
-#include "precompute/find_ties.h"
+#include "precompute/embree_ties.h"
 #include "precompute/opacity.h"
 #include "precompute/packet_lanes.h"
 

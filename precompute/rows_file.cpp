@@ -153,14 +153,12 @@ Result<void> read_all(const Reader& reader, RowsFile& rows) {
 }  // namespace
 
 std::vector<std::byte> encode_rows(const RowsFile& rows) {
-  const std::span<const std::byte> codes = rows.codes.first(rows.codes.size() - kCodePadding);
-  return encode_rows(rows, std::span(&codes, 1)).joined();
+  const std::span<const std::span<const std::byte>> codes(&rows.codes, 1);
+  return encode_rows(rows, codes, checksum_of(codes)).joined();
 }
 
-FileParts encode_rows(const RowsFile& rows, std::span<const std::span<const std::byte>> codes) {
-  static constexpr std::array<std::byte, kCodePadding> kPadding{};
-  std::vector<std::span<const std::byte>> parts(codes.begin(), codes.end());
-  parts.emplace_back(kPadding);
+FileParts encode_rows(const RowsFile& rows, std::span<const std::span<const std::byte>> codes,
+                      std::uint64_t checksum) {
   SectionWriter writer;
   const auto add = [&](std::string_view id, const auto& values, std::uint32_t flags = 0) {
     writer.add(id, kWhole, std::as_bytes(std::span(values)), flags);
@@ -179,7 +177,7 @@ FileParts encode_rows(const RowsFile& rows, std::span<const std::span<const std:
   if (!rows.looks.empty()) add("RGRD", std::span(&rows.look_grid, 1), kSectionOptional);
   add("RLKS", rows.looks, kSectionOptional);
   add("RRCV", rows.receivers);
-  writer.borrow("RCOD", kWhole, parts);
+  writer.borrow("RCOD", kWhole, codes, 0, checksum);
   add("RSMP", rows.samples);
   add("REMH", rows.emitter_hits);
   return std::move(writer).finish_parts();

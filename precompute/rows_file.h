@@ -106,9 +106,13 @@ struct RowsFile {
 /// The bytes of a .rows file.
 std::vector<std::byte> encode_rows(const RowsFile& rows);
 
-/// The same with codes that lie elsewhere, in parts that follow each other, without the padding; they are
-/// borrowed, and nothing else.
-FileParts encode_rows(const RowsFile& rows, std::span<const std::span<const std::byte>> codes);
+/// The same with codes that lie elsewhere, in parts that follow each other, the padding among them; they are
+/// borrowed, and nothing else. `checksum` of them (core/section_table.h).
+FileParts encode_rows(const RowsFile& rows, std::span<const std::span<const std::byte>> codes,
+                      std::uint64_t checksum);
+
+/// What follows the codes.
+inline constexpr std::array<std::byte, kCodePadding> kCodesEnd{};
 
 /// Verifies structure, checksums, sizes and order. `name` is used in messages.
 Result<RowsFile> decode_rows(std::vector<std::byte> bytes, const std::string& name);

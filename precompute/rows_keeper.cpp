@@ -83,6 +83,10 @@ std::uint64_t RowsKeeper::memory_of(std::uint64_t rays) const {
   return memory_.record ? rays * memory_.codes.width() : 0;
 }
 
+void RowsKeeper::take_rays() {
+  rays_ = memory_.record->take(memory_.emitters);
+}
+
 FileParts RowsKeeper::finish(const PrecomputeReport& report) {
   const Geometry& geometry = surfaces_->geometry;
   RowsFile file;
@@ -100,7 +104,7 @@ FileParts RowsKeeper::finish(const PrecomputeReport& report) {
   std::set_union(surfaces_->views.begin(), surfaces_->views.end(), patch_views_.begin(), patch_views_.end(),
                  std::back_inserter(file.views));
   file.look_grid = looked_.grid, file.looks = std::move(looked_.looks);
-  return memory_.record->encode(file);
+  return encode_rows(file, std::move(rays_));
 }
 
 }  // namespace relume

@@ -44,7 +44,9 @@ class RowsKeeper {
   void keep_looks(EnclosedGrid grid);
   /// Bytes that so many rays take, until their file is written.
   std::uint64_t memory_of(std::uint64_t rays) const;
-  /// The bytes of a .rows file, where options ask to keep rows. Forgets the rays.
+  /// Once all rays are traced, where options ask to keep rows.
+  void take_rays();
+  /// Then: the bytes of a .rows file. Forgets the rays.
   FileParts finish(const PrecomputeReport& report);
 
  private:
@@ -58,6 +60,7 @@ class RowsKeeper {
   std::vector<std::uint8_t> whole_;  ///< per element of all systems
   std::vector<std::uint64_t> patch_views_;
   EnclosedGrid looked_;
+  RecordedRays rays_;
   std::optional<SceneChange> change_;
   std::optional<KeptRays> kept_;
   RayMemory memory_;

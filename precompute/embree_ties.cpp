@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "precompute/find_ties.h"
+#include "precompute/embree_ties.h"
 
 #include <algorithm>
 #include <atomic>
