@@ -184,9 +184,15 @@ FileParts encode_rows(const RowsFile& rows, std::span<const std::span<const std:
 }
 
 Result<RowsFile> decode_rows(std::vector<std::byte> bytes, const std::string& name) {
+  const auto owner = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
+  return decode_rows(owner, *owner, name);
+}
+
+Result<RowsFile> decode_rows(std::shared_ptr<const void> owner, std::span<const std::byte> bytes,
+                             const std::string& name) {
   RowsFile rows;
-  rows.bytes = std::move(bytes);
-  const auto sections = read_sections(rows.bytes, name);
+  rows.owner = std::move(owner);
+  const auto sections = read_sections(bytes, name);
   if (!sections) return tl::unexpected(sections.error());
   if (auto read = read_all(Reader(*sections, name), rows); !read) return tl::unexpected(read.error());
   return rows;

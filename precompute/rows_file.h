@@ -7,7 +7,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -98,7 +100,7 @@ struct RowsFile {
   std::span<const std::byte> codes;          ///< of all receivers; kCodePadding bytes follow
   std::span<const std::byte> samples;        ///< of all receivers; each begins a new byte
   std::span<const EmitterHit> emitter_hits;  ///< of all receivers, of each ascending by ray
-  std::vector<std::byte> bytes;              ///< that these three may point into
+  std::shared_ptr<const void> owner;         ///< of the bytes that these three may point into
 
   RayCodes ray_codes() const { return {std::uint32_t(triangles.size()), std::uint32_t(element_keys.size())}; }
 };
@@ -116,5 +118,11 @@ inline constexpr std::array<std::byte, kCodePadding> kCodesEnd{};
 
 /// Verifies structure, checksums, sizes and order. `name` is used in messages.
 Result<RowsFile> decode_rows(std::vector<std::byte> bytes, const std::string& name);
+/// The same of bytes that `owner` holds.
+Result<RowsFile> decode_rows(std::shared_ptr<const void> owner, std::span<const std::byte> bytes,
+                             const std::string& name);
+
+/// decode_rows of a file. Fails (bad_input) also when it cannot be read.
+Result<RowsFile> read_rows(const std::filesystem::path& file);
 
 }  // namespace relume

@@ -149,9 +149,7 @@ std::launch policy_of(const PrecomputeArguments& arguments) {
 Result<std::optional<RowsFile>> read_old_rows(const PrecomputeArguments& arguments) {
   if (!arguments.update) return std::optional<RowsFile>();
   const std::filesystem::path file = rows_of(*arguments.update);
-  auto bytes = read_file(file);
-  if (!bytes) return tl::unexpected(bytes.error());
-  auto rows = decode_rows(std::move(*bytes), file.string());
+  auto rows = read_rows(file);
   if (!rows) return tl::unexpected(rows.error());
   return std::optional<RowsFile>(std::move(*rows));
 }
