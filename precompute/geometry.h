@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "precompute/opacity.h"
@@ -42,9 +43,10 @@ struct Geometry {
 
 Geometry make_geometry(const Scene& scene);
 
-/// Rays among the triangles of `geometry`.
-inline Result<RayCaster> make_caster(const Geometry& geometry) {
-  return RayCaster::create(geometry.positions, geometry.triangles, geometry.opacity.stored());
+/// Rays among the triangles of `geometry`. `known_ties` as RayCaster::create takes them.
+inline Result<RayCaster> make_caster(const Geometry& geometry,
+                                     std::span<const std::uint8_t> known_ties = {}) {
+  return RayCaster::create(geometry.positions, geometry.triangles, geometry.opacity.stored(), known_ties);
 }
 
 /// A point of a side of a surface.

@@ -4,8 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 #include <limits>
 
+#include "core/sky.h"
 #include "precompute/mutual_visibility.h"
 #include "precompute/packet_lanes.h"
 #include "precompute/unchanged_elements.h"
@@ -21,6 +25,24 @@ constexpr std::size_t kCacheLine = 64;
 
 constexpr float kFar = std::numeric_limits<float>::max();
 
+/// Most balls are no larger than so many times their mean.
+constexpr float kUsual = 1.5f;
+
+/// Whether a ball that moves from a to b stays clear of a box (C. Ericson, Real-Time Collision Detection,
+/// 2005: a segment and a box that is grown by the radius, by axes that part them).
+bool passes(const glm::vec3& a, const glm::vec3& b, float radius, const Box& box) {
+  const glm::vec3 half = 0.5f * (box.upper - box.lower) + radius, way = 0.5f * (b - a),
+                  middle = 0.5f * (a + b) - 0.5f * (box.lower + box.upper), reach = glm::abs(way);
+  if (glm::any(glm::greaterThan(glm::abs(middle), half + reach))) return true;
+  const glm::vec3 apart = glm::abs(glm::cross(middle, way));
+  return apart.x > half.y * reach.z + half.z * reach.y || apart.y > half.x * reach.z + half.z * reach.x ||
+         apart.z > half.x * reach.y + half.y * reach.x;
+}
+
+/// No direction of a cell of the sky is further than this from the one through its middle: half a step along
+/// both of its angles (core/sky.h).
+constexpr float kCellReach = 1.4143f * 3.1416f / (4.0f * float(RayCodes::kSkyResolution));
+
 }  // namespace
 
 Result<KeptRays> KeptRays::compare(const SceneChange& change, const std::string& name, double texel_size,
@@ -33,12 +55,17 @@ Result<KeptRays> KeptRays::compare(const SceneChange& change, const std::string&
         fmt::format("{}: expected rows of --texel-size {}, found those of {}; precompute without --update",
                     name, texel_size, kept.old_.settings.texel_size));
   }
+  if (kept.old_.ray_tracer != caster.description()) {
+    return fail(ErrorCode::bad_input,
+                fmt::format("{}: expected rows traced by {}, found those of {}; precompute without --update",
+                            name, caster.description(), kept.old_.ray_tracer));
+  }
   if (!change.comparable()) return kept;
   kept.old_codes_ = kept.old_.ray_codes();
   kept.old_width_ = kept.old_codes_.width();
   kept.codes_ = {std::uint32_t(surfaces.geometry.triangles.size()), lookup.element_count()};
-  const Box& added = change.added_bounds();
-  kept.added_ball_ = {0.5f * (added.lower + added.upper), 0.5f * glm::length(added.upper - added.lower)};
+  const glm::vec3 margin(change.margin());
+  kept.added_ = {change.added_bounds().lower - margin, change.added_bounds().upper + margin};
   kept.find_balls(surfaces);
   kept.translate(surfaces, caster, lookup, element_keys);
   kept.index_receivers();
@@ -58,24 +85,27 @@ void KeptRays::find_balls(const Surfaces& surfaces) {
       }
     }
   }
+  double sum = 0.0;
+  for (const Ball& ball : balls_) sum += ball.radius;
+  usual_radius_ = kUsual * float(sum / double(balls_.size()));
+  const Geometry& geometry = surfaces.geometry;
+  for (std::uint32_t t = 0; t < geometry.triangles.size(); ++t) {
+    Ball& ball = triangle_balls_.emplace_back(Ball{geometry.point(t, 1.0f / 3.0f, 1.0f / 3.0f)});
+    for (const auto corner : geometry.triangles[t])
+      ball.radius = std::max(ball.radius, glm::length(geometry.positions[corner] - ball.middle));
+  }
 }
 
 void KeptRays::translate(const Surfaces& surfaces, const RayCaster& caster, const SenderLookup& lookup,
                          std::span<const std::uint64_t> keys) {
   const Geometry& geometry = surfaces.geometry;
-  const auto ties = [](const std::vector<std::uint8_t>& flags, std::uint32_t t) {
-    return !flags.empty() && flags[t] != 0;
-  };
-  std::vector<bool> settled(geometry.triangles.size(),
-                            false);  // unchanged, and ties are looked for as before
-  for (std::uint32_t t = 0; t < change_.new_triangles().size(); ++t) {
-    if (change_.new_triangles()[t] == kNone) continue;
-    settled[change_.new_triangles()[t]] =
-        ties(old_.ties, t) == ties(caster.ties(), change_.new_triangles()[t]);
-  }
+  const std::vector<bool> settled = change_.settled(caster);
   new_codes_.assign(old_codes_.count(), RayCodes::kUnknown);
   new_codes_[RayCodes::kNoRay] = RayCodes::kNoRay;
-  for (std::uint32_t code = RayCodes::kFirstCell; RayCodes::is_sky(code); ++code) new_codes_[code] = code;
+  for (std::uint32_t code = RayCodes::kFirstCell; RayCodes::is_sky(code); ++code) {
+    new_codes_[code] = code;
+    cells_.emplace_back(sky_cell_direction(code - RayCodes::kFirstCell, RayCodes::kSkyResolution));
+  }
   std::vector<bool> charted(geometry.triangles.size(), false);
   for (const Chart& chart : surfaces.charts) {
     for (const auto t : chart.triangles) charted[t] = true;
@@ -106,6 +136,9 @@ KeptSenders KeptRays::senders(const SenderLookup& lookup, std::span<const std::u
     kept.met.push_back({now == open ? std::uint32_t{RayCodes::kUnknown} : code, now});
   }
   kept.met.push_back({RayCodes::kUnknown, open});
+  kept.codes.assign(open, RayCodes::kUnknown);
+  for (std::uint32_t code = RayCodes::kFirstCell; RayCodes::is_sky(code); ++code)
+    kept.codes[seen[code]] = code;
   std::vector<Box> boxes;
   const auto for_each_kept = [&](auto&& visit) {
     for (std::uint32_t e = 0; e < old_elements_.size(); ++e) {
@@ -126,13 +159,15 @@ KeptSenders KeptRays::senders(const SenderLookup& lookup, std::span<const std::u
 }
 
 void KeptRays::index_receivers() {
-  first_receiver_.assign((std::size_t{1} << kFirstBits) + 1, 0);
+  first_place_.assign((std::size_t{1} << kFirstBits) + 1, 0);
   for (const ReceiverRecord& receiver : old_.receivers)
-    ++first_receiver_[(receiver.identity >> (64 - kFirstBits)) + 1];
-  for (std::size_t i = 1; i < first_receiver_.size(); ++i) first_receiver_[i] += first_receiver_[i - 1];
+    ++first_place_[(receiver.identity >> (64 - kFirstBits)) + 1];
+  for (std::size_t i = 1; i < first_place_.size(); ++i) first_place_[i] += first_place_[i - 1];
+  places_.reserve(old_.receivers.size());
   std::uint64_t codes = 0, samples = 0, hits = 0;
   for (const ReceiverRecord& receiver : old_.receivers) {
-    first_code_.push_back(codes), first_sample_.push_back(samples), first_hit_.push_back(hits);
+    places_.push_back(
+        {receiver.identity, codes, samples, hits, receiver.rays, receiver.samples, receiver.emitter_hits});
     codes += receiver.rays;
     samples += (receiver.samples + kSamplesPerByte - 1) / kSamplesPerByte;
     hits += receiver.emitter_hits;
@@ -141,16 +176,15 @@ void KeptRays::index_receivers() {
 
 std::optional<OldRays> KeptRays::find(std::uint64_t identity) const {
   if (new_codes_.empty()) return std::nullopt;
-  const auto part = old_.receivers.begin() + first_receiver_[identity >> (64 - kFirstBits)],
-             end = old_.receivers.begin() + first_receiver_[(identity >> (64 - kFirstBits)) + 1];
-  const auto found = std::lower_bound(
-      part, end, identity,
-      [](const ReceiverRecord& receiver, std::uint64_t wanted) { return receiver.identity < wanted; });
+  const std::uint64_t bits = identity >> (64 - kFirstBits);
+  const auto end = places_.begin() + first_place_[bits + 1];
+  const auto found =
+      std::lower_bound(places_.begin() + first_place_[bits], end, identity,
+                       [](const Place& place, std::uint64_t wanted) { return place.identity < wanted; });
   if (found == end || found->identity != identity) return std::nullopt;
-  const auto i = std::size_t(found - old_.receivers.begin());
-  const OldRays rays{old_.codes.data() + first_code_[i] * old_width_, found->rays,
-                     old_.samples.data() + first_sample_[i], found->samples,
-                     old_.emitter_hits.subspan(first_hit_[i], found->emitter_hits)};
+  const OldRays rays{old_.codes.data() + found->first_code * old_width_, found->rays,
+                     old_.samples.data() + found->first_sample, found->samples,
+                     old_.emitter_hits.subspan(found->first_hit, found->hits)};
   // They are asked for in another order than they lie in.
   for (std::size_t byte = 0; byte < std::size_t{rays.rays} * old_width_; byte += kCacheLine)
     __builtin_prefetch(rays.codes + byte);
@@ -171,12 +205,30 @@ bool KeptRays::was_whole(std::uint32_t element) const {
          !change_.disturbed(ball.middle, kLiftReach * ball.radius);
 }
 
-bool KeptRays::stands_clear(const glm::vec3& from, float reach, const Ball& ball) const {
-  const glm::vec3 way = ball.middle - from, to = added_ball_.middle - from;
-  const float along = std::clamp(glm::dot(to, way) / std::max(glm::dot(way, way), 1e-30f), 0.0f, 1.0f);
-  const glm::vec3 aside = to - along * way;
-  const float apart = added_ball_.radius + std::max(reach, ball.radius) + change_.margin();
-  return glm::dot(aside, aside) > apart * apart;
+Vantage KeptRays::vantage(const Ball& origins) const {
+  return {origins, Shadow(added_, origins.middle, std::max(origins.radius, usual_radius_))};
+}
+
+bool KeptRays::stands_clear(const Vantage& from, std::uint32_t code) const {
+  if (codes_.is_element(code)) return stands_clear(from, balls_[code - codes_.first_element()]);
+  if (codes_.is_back(code)) return stands_clear(from, triangle_balls_[code - codes_.back(0)]);
+  if (codes_.is_bare(code)) return stands_clear(from, triangle_balls_[code - codes_.bare(0)]);
+  return code == RayCodes::kNoRay ||
+         (RayCodes::is_sky(code) && clear_of_sky(from, code - RayCodes::kFirstCell));
+}
+
+bool KeptRays::stands_clear(const Vantage& from, const Ball& ball) const {
+  if (from.shadow.clear_of(ball)) return true;
+  return ball.radius > usual_radius_ &&
+         passes(from.origins.middle, ball.middle, std::max(from.origins.radius, ball.radius), added_);
+}
+
+/// Rays to a cell of the sky stay within a cone.
+bool KeptRays::clear_of_sky(const Vantage& from, std::uint32_t cell) const {
+  const auto& [middle, radius] = from.origins;
+  const float beyond = radius + glm::length(0.5f * (added_.lower + added_.upper) - middle) +
+                       glm::length(added_.upper - added_.lower);
+  return passes(middle, middle + beyond * cells_[cell], radius + beyond * kCellReach, added_);
 }
 
 std::uint32_t KeptRays::blocked(const RayPacket& packet, std::uint32_t lanes,

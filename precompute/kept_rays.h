@@ -12,6 +12,7 @@
 #include "precompute/rows_file.h"
 #include "precompute/scene_change.h"
 #include "precompute/sender_lookup.h"
+#include "precompute/shadow.h"
 #include "precompute/surfaces.h"
 
 namespace relume {
@@ -25,9 +26,10 @@ struct OldRays {
   std::span<const EmitterHit> emitter_hits;
 };
 
-struct Ball {
-  glm::vec3 middle{0.0f};
-  float radius = 0.0f;
+/// Where rays begin, and what may be hidden from there by what was added.
+struct Vantage {
+  Ball origins;
+  Shadow shadow;
 };
 
 /// What rays of an earlier precompute see among senders of this one.
@@ -39,15 +41,16 @@ struct KeptSenders {
   /// Per code of the old scene; unknown when it is gone or changed, or belongs to a possible emitter. Then
   /// one more, for whatever is no code, that is unknown.
   std::vector<Met> met;
-  std::vector<Ball> balls;  ///< per sender that is a cluster: they hold all of it
+  std::vector<Ball> balls;           ///< per sender that is a cluster: they hold all of it
+  std::vector<std::uint32_t> codes;  ///< per sender that is a cell of the sky; others: kUnknown
 };
 
 /// The rays of an earlier precompute in a scene that has changed since. A ray still meets what it met when
 /// that is still there, unchanged, and nothing new stands before it. Thread-safe.
 class KeptRays {
  public:
-  /// Borrows the change. Fails (bad_input) when the rows are those of another texel size; `name` is used in
-  /// messages.
+  /// Borrows the change. Fails (bad_input) when the rows are those of another texel size or ray tracer;
+  /// `name` is used in messages.
   static Result<KeptRays> compare(const SceneChange& change, const std::string& name, double texel_size,
                                   const Surfaces& surfaces, const RayCaster& caster,
                                   const SenderLookup& lookup, std::span<const std::uint64_t> element_keys);
@@ -75,13 +78,12 @@ class KeptRays {
 
   /// Whether all light patches of an element of this scene belonged to it, and nothing there has changed.
   bool was_whole(std::uint32_t element) const;
-  /// Whether nothing that was added lies between the points within `reach` of a place and those of an
-  /// element.
-  bool stands_clear(const glm::vec3& from, float reach, std::uint32_t element) const {
-    return stands_clear(from, reach, balls_[element]);
-  }
+  /// Something must have been added.
+  Vantage vantage(const Ball& origins) const;
+  /// Whether nothing that was added lies between there and what rays met whose code, of this scene, this is.
+  bool stands_clear(const Vantage& from, std::uint32_t code) const;
   /// The same of all that a ball holds.
-  bool stands_clear(const glm::vec3& from, float reach, const Ball& ball) const;
+  bool stands_clear(const Vantage& from, const Ball& ball) const;
   /// Of the lanes of a packet that `lanes` says, and that met what `codes` say: those that something new may
   /// stand before.
   std::uint32_t blocked(const RayPacket& packet, std::uint32_t lanes,
@@ -93,6 +95,7 @@ class KeptRays {
 
  private:
   explicit KeptRays(const SceneChange& change) : change_(change), old_(change.old()) {}
+  bool clear_of_sky(const Vantage& from, std::uint32_t cell) const;
   void find_balls(const Surfaces& surfaces);
   void translate(const Surfaces& surfaces, const RayCaster& caster, const SenderLookup& lookup,
                  std::span<const std::uint64_t> keys);
@@ -101,13 +104,21 @@ class KeptRays {
   const SceneChange& change_;
   const RowsFile& old_;
   RayCodes old_codes_, codes_;
-  std::uint32_t old_width_ = 0;  ///< of old_codes_
-  Ball added_ball_;
-  std::vector<std::uint32_t> old_elements_;    ///< per element of this scene: which it was, or kNone
-  std::vector<Ball> balls_;                    ///< per element of this scene: they hold it
-  std::vector<std::uint32_t> new_codes_;       ///< per old code; empty: nothing can be kept
-  std::vector<std::uint32_t> first_receiver_;  ///< of the old ones, by the first bits of their identities
-  std::vector<std::uint64_t> first_code_, first_sample_, first_hit_;  ///< per receiver
+  std::uint32_t old_width_ = 0;              ///< of old_codes_
+  Box added_;                                ///< holds all that was added, and a margin
+  float usual_radius_ = 0.0f;                ///< m, that most of balls_ have
+  std::vector<std::uint32_t> old_elements_;  ///< per element of this scene: which it was, or kNone
+  std::vector<Ball> balls_;                  ///< per element of this scene: they hold it
+  std::vector<Ball> triangle_balls_;         ///< per triangle of this scene
+  std::vector<glm::vec3> cells_;             ///< directions of the sky
+  std::vector<std::uint32_t> new_codes_;     ///< per old code; empty: nothing can be kept
+  /// A receiver of the old scene, and where what is known of it begins.
+  struct Place {
+    std::uint64_t identity, first_code, first_sample, first_hit;
+    std::uint32_t rays, samples, hits;
+  };
+  std::vector<Place> places_;
+  std::vector<std::uint32_t> first_place_;  ///< by the first bits of their identities
 };
 
 }  // namespace relume

@@ -2,6 +2,7 @@
 #include "precompute/precompute.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
 #include <chrono>
@@ -203,7 +204,12 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
                          prepared.emitters,
                          prepared.senders,
                          surfaces.cluster_count()};
-  auto model = assemble_model(parts, plan.codec, options.max_albedo, report);
+  Result<Model> model;
+  const bool keeps = keeper != nullptr && options.keep_rows && prepared.rows.memory != nullptr;
+  tbb::parallel_invoke([&] { model = assemble_model(parts, plan.codec, options.max_albedo, report); },
+                       [&] {
+                         if (keeps) keeper->take_rays();
+                       });
   report.seconds_rows = seconds_since(rows_start);
   if (!model) return model;
   add_sensors(options, rows->sensor_systems, *model);
@@ -214,7 +220,11 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
   if (auto added = add_light_samples(surfaces.geometry, caster, *model, views, whole); !added)
     return tl::unexpected(added.error());
   if (keeper != nullptr) keeper->keep_whole(rows->orders, whole, views.take_answers());
-  light_model(scene, surfaces.geometry, caster, *model, report.warnings);
+  const auto earlier = keeper != nullptr ? keeper->earlier_looks() : std::nullopt;
+  EnclosedGrid looked;
+  light_model(scene, surfaces.geometry, caster, earlier ? &*earlier : nullptr, *model, report.warnings,
+              &looked);
+  if (keeper != nullptr) keeper->keep_looks(std::move(looked));
   if (!scene.cameras.empty()) model->camera = scene.cameras.front();
   model->provenance = {scene.file_name, "relume 0.1.0", caster.description(),
                        options_json(options, report, plan)};
@@ -269,16 +279,17 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
     return fail(ErrorCode::bad_input, fmt::format("{}: no static triangles to precompute", scene.file_name));
   Geometry geometry = make_geometry(scene);
   if (auto ok = check_sizes(options, geometry); !ok) return tl::unexpected(ok.error());
-  const auto caster = make_caster(geometry);
-  if (!caster) return tl::unexpected(caster.error());
   if (observer && !observer("surfaces", 0.0))
     return fail(ErrorCode::cancelled, "stopped before the surfaces were cut");
   std::unique_ptr<RowsKeeper> keeper;
   if (options.keep_rows || options.old_rows != nullptr) {
-    auto started = RowsKeeper::start(scene, options, geometry, *caster, report);
+    auto started = RowsKeeper::start(scene, options, geometry, report);
     if (!started) return tl::unexpected(started.error());
     keeper = std::move(*started);
   }
+  const auto caster =
+      make_caster(geometry, keeper ? keeper->known_ties(geometry) : std::vector<std::uint8_t>());
+  if (!caster) return tl::unexpected(caster.error());
   const auto earlier = keeper ? keeper->earlier() : std::nullopt;
   auto surfaces =
       cut_surfaces(scene, options, *caster, std::move(geometry), report, earlier ? &*earlier : nullptr);
@@ -287,7 +298,7 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   RowCounts counts;
   SenderLookup lookup(surfaces->geometry, surfaces->charts, surfaces->layouts, surfaces->systems, *caster);
   if (keeper) {
-    if (auto followed = keeper->follow(*surfaces, lookup, report); !followed)
+    if (auto followed = keeper->follow(*surfaces, lookup, *caster, report); !followed)
       return tl::unexpected(followed.error());
   }
   std::optional<Preparation> prepared;

@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "precompute/ray_caster.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
-#include <atomic>
 #include <cstddef>
 #include <cstring>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 
 #include "core/ray_offset.h"
 #include "precompute/embree_memory.h"
+#include "precompute/embree_ties.h"
 #include "precompute/opacity.h"
-#include "precompute/overlap_in_plane.h"
 #include "precompute/packet_lanes.h"
 
 namespace relume {
@@ -27,9 +23,6 @@ struct QueryContext {
   bool multiply = false;       ///< pass on, and count what is left
   double transmittance = 1.0;  ///< of a query with `multiply`
 };
-
-/// Flags of a triangle: it lies on another in one plane; it is thinner than rounding can tell.
-constexpr std::uint8_t kOverlaps = 1, kThin = 2;
 
 /// A barycentric coordinate below which a hit lies at an edge.
 constexpr float kNearEdge = 1e-6f;
@@ -100,94 +93,6 @@ void let_alpha_pass(const RTCFilterFunctionNArguments* arguments) {
 /// One instruction set on every machine that has it: results differ between sets in the last place.
 const char* instruction_set() {
   return __builtin_cpu_supports("avx2") ? "avx2" : "sse2";
-}
-
-struct DeviceRelease {
-  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
-};
-struct SceneRelease {
-  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
-};
-using Device = std::unique_ptr<RTCDeviceTy, DeviceRelease>;
-using EmbreeScene = std::unique_ptr<RTCSceneTy, SceneRelease>;
-
-using Triangle = std::array<std::uint32_t, 3>;
-
-/// What the scene is made of.
-struct Mesh {
-  std::span<const glm::vec3> positions;
-  std::span<const Triangle> triangles;
-  float largest = 0.0f;  ///< coordinate
-
-  std::array<glm::vec3, 3> corners(std::size_t triangle) const {
-    const Triangle& t = triangles[triangle];
-    return {positions[t[0]], positions[t[1]], positions[t[2]]};
-  }
-};
-
-/// Finds the triangles that lie on others, through boxes that meet.
-struct OverlapSearch {
-  Mesh mesh;
-  std::vector<std::uint8_t> overlaps;  ///< per triangle: whether it lies on another
-};
-
-void box_of_triangle(const RTCBoundsFunctionArguments* arguments) {
-  const auto& search = *static_cast<const OverlapSearch*>(arguments->geometryUserPtr);
-  const auto corners = search.mesh.corners(arguments->primID);
-  const float margin = search.mesh.largest * 0x1p-20f;
-  const glm::vec3 lower = glm::min(glm::min(corners[0], corners[1]), corners[2]) - margin;
-  const glm::vec3 upper = glm::max(glm::max(corners[0], corners[1]), corners[2]) + margin;
-  *arguments->bounds_o = {lower.x, lower.y, lower.z, 0.0f, upper.x, upper.y, upper.z, 0.0f};
-}
-
-/// Called from several threads at once.
-void test_pairs(void* user, RTCCollision* pairs, unsigned count) {
-  auto& search = *static_cast<OverlapSearch*>(user);
-  for (const RTCCollision& pair : std::span(pairs, count)) {
-    if (pair.primID0 == pair.primID1 ||
-        !overlap_in_plane(search.mesh.corners(pair.primID0), search.mesh.corners(pair.primID1),
-                          search.mesh.largest))
-      continue;
-    for (const unsigned triangle : {pair.primID0, pair.primID1})
-      std::atomic_ref(search.overlaps[triangle]).fetch_or(kOverlaps, std::memory_order_relaxed);
-  }
-}
-
-/// Whether rays cannot tell a triangle from its edges. It may lie on another, and neither would be found to.
-bool thin(const Mesh& mesh, std::size_t triangle) {
-  const auto c = mesh.corners(triangle);
-  const float longest =
-      std::max({glm::length(c[1] - c[0]), glm::length(c[2] - c[1]), glm::length(c[0] - c[2])});
-  return glm::length(glm::cross(c[1] - c[0], c[2] - c[0])) <= longest * mesh.largest * 0x1p-16f;
-}
-
-/// Builds the tree of a scene over so many triangles. Fails with out_of_memory, also where something went
-/// wrong before; the scene is then left to the system, since Embree ends the process when one is released
-/// whose building was cut short.
-Result<void> commit(RTCDevice device, EmbreeScene& scene, std::size_t triangles) {
-  rtcCommitScene(scene.get());
-  if (rtcGetDeviceError(device) == RTC_ERROR_NONE) return {};
-  static_cast<void>(scene.release());
-  return tl::unexpected(no_embree_memory(triangles));
-}
-
-/// Flags of each triangle; empty where none has any.
-Result<std::vector<std::uint8_t>> find_ties(RTCDevice device, const Mesh& mesh) {
-  OverlapSearch search{mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 0)};
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) search.overlaps[t] = thin(mesh, t) ? kThin : 0;
-  EmbreeScene boxes(rtcNewScene(device));
-  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(mesh.triangles.size()));
-  rtcSetGeometryUserData(geometry, &search);
-  rtcSetGeometryBoundsFunction(geometry, box_of_triangle, nullptr);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(boxes.get(), geometry);
-  rtcReleaseGeometry(geometry);
-  if (auto built = commit(device, boxes, mesh.triangles.size()); !built) return tl::unexpected(built.error());
-  rtcCollide(boxes.get(), boxes.get(), test_pairs, &search);
-  const bool any =
-      std::any_of(search.overlaps.begin(), search.overlaps.end(), [](auto flags) { return flags != 0; });
-  return any ? std::move(search.overlaps) : std::vector<std::uint8_t>();
 }
 
 /// The triangles that are opaque, or the others, as a geometry that numbers all of them: those that do not
@@ -326,7 +231,7 @@ const std::string& RayCaster::description() const {
 
 Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
                                     std::span<const std::array<std::uint32_t, 3>> triangles,
-                                    const Opacity& opacity) {
+                                    const Opacity& opacity, std::span<const std::uint8_t> known_ties) {
   if (auto enough = check_embree_memory(triangles.size()); !enough) return tl::unexpected(enough.error());
   auto scene = std::make_unique<Scene>();
   scene->device.reset(rtcNewDevice((std::string("isa=") + instruction_set()).c_str()));
@@ -338,7 +243,7 @@ Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
   const Mesh mesh{positions, triangles, largest_coordinate(positions)};
   scene->largest = mesh.largest;
   if (!triangles.empty()) {
-    auto ties = find_ties(scene->device.get(), mesh);
+    auto ties = find_ties(scene->device.get(), mesh, known_ties);
     if (!ties) return tl::unexpected(ties.error());
     scene->ties = std::move(*ties);
     scene->opacity = TriangleOpacity(opacity, positions, triangles);
@@ -346,7 +251,7 @@ Result<RayCaster> RayCaster::create(std::span<const glm::vec3> positions,
     if (scene->opacity.any())
       attach_triangles(scene->device.get(), scene->scene.get(), mesh, scene->opacity, false);
   }
-  if (auto built = commit(scene->device.get(), scene->scene, triangles.size()); !built)
+  if (auto built = build_tree(scene->device.get(), scene->scene, triangles.size()); !built)
     return tl::unexpected(built.error());
   scene->description = describe(scene->device.get());
   return RayCaster(std::move(scene));

@@ -61,13 +61,16 @@ enum class AlphaTest {
   solid,  ///< it stops whatever meets more than nothing of it: questions about the surfaces themselves
 };
 
+/// Of a triangle: whether it ties with others has to be found out.
+inline constexpr std::uint8_t kUnknownTies = 0xff;
+
 class RayCaster {
  public:
   /// Borrows nothing: all is copied. Fails with out_of_memory or bad_input (no finite triangle is not an
-  /// error).
+  /// error). `known_ties`: empty, or per triangle what ties() says of it, or kUnknownTies.
   static Result<RayCaster> create(std::span<const glm::vec3> positions,
                                   std::span<const std::array<std::uint32_t, 3>> triangles,
-                                  const Opacity& opacity = {});
+                                  const Opacity& opacity = {}, std::span<const std::uint8_t> known_ties = {});
   RayCaster(RayCaster&&) noexcept;
   RayCaster& operator=(RayCaster&&) noexcept;
   ~RayCaster();

@@ -67,13 +67,18 @@ void RayRecall::begin(std::uint64_t identity, const Receiver& receiver, std::uin
   const bool moved = receiver.walled() &&
                      memory_.kept->change().disturbed(receiver.middle().position, 3.0f * receiver.reach());
   if (!moved) old_ = memory_.kept->find(identity);
-  middle_ = receiver.middle().position, reach_ = receiver.reach();
-  if (!(glm::length(middle_ - vantage_.middle) + reach_ <= vantage_.radius) || vantages_ == 0) {
-    vantage_ = {middle_, kVantage * reach_};
-    ++vantages_;
-  }
   old_samples_ = memory_.kept->emitters() == memory_.emitters;
   faces_changes_ = memory_.kept->change().added().has_value() && faces_changes(receiver);
+  if (faces_changes_ && old_) look_from({receiver.middle().position, receiver.reach()});
+}
+
+void RayRecall::look_from(const Ball& origins) {
+  own_ = memory_.kept->vantage(origins);
+  const Ball& around = vantage_.origins;
+  const bool within = glm::length(origins.middle - around.middle) + origins.radius <= around.radius;
+  if (within && vantages_ > 0) return;
+  vantage_ = memory_.kept->vantage({origins.middle, kVantage * origins.radius});
+  ++vantages_;
 }
 
 /// Whether some of what was added lies before the plane of the receiver.
@@ -126,57 +131,96 @@ std::uint32_t RayRecall::known_code(std::uint32_t ray) const {
   return load_exactly(known_->codes.data(), width_, ray);
 }
 
+bool RayRecall::stands_clear_from_vantage(std::uint32_t seen) const {
+  const KeptSenders& senders = memory_.senders;
+  if (seen >= memory_.sender_count) return seen >= memory_.sender_count + kIsNoRay;
+  if (senders.codes[seen] != RayCodes::kUnknown)
+    return memory_.kept->stands_clear(vantage_, senders.codes[seen]);
+  return seen < senders.balls.size() && memory_.kept->stands_clear(vantage_, senders.balls[seen]);
+}
+
 /// Whether nothing new can stand before any of a sender, seen from the receiver.
 bool RayRecall::stands_clear_of(std::uint32_t seen) {
   std::uint32_t& clear = clear_senders_[seen];
   if (clear / 2 != vantages_) {
-    const std::vector<Ball>& balls = memory_.senders.balls;
-    const bool is_clear = seen < balls.size()
-                              ? memory_.kept->stands_clear(vantage_.middle, vantage_.radius, balls[seen])
-                              : seen >= memory_.sender_count + kIsNoRay;
-    clear = 2 * vantages_ + (is_clear ? 1u : 0u);
+    clear = 2 * vantages_ + (stands_clear_from_vantage(seen) ? 1u : 0u);
   }
   return clear % 2 != 0;
 }
 
-std::uint32_t RayRecall::with_doubt(std::uint32_t seen, std::uint32_t code) {
-  return stands_clear_of(seen) || stands_clear(code) ? seen : seen | kDoubtful;
-}
-
-bool RayRecall::know(std::span<const std::uint32_t> numbers, std::vector<std::uint32_t>& seen) {
-  seen.assign(numbers.size(), memory_.sender_count + kIsOpen);
+void RayRecall::know(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally) {
   if (known_ != nullptr && !blank_) {
-    for (std::size_t i = 0; i < numbers.size(); ++i) seen[i] = memory_.seen[known_code(numbers[i])];
+    know_booked(numbers, first, tally);
+  } else if (old_) {
+    know_old(numbers, first, tally);
+  } else {
+    for (std::size_t i = 0; i < numbers.size(); ++i) tally.open.push_back(first + std::uint32_t(i));
   }
-  return old_ && know_old(numbers, seen);
 }
 
-/// Of the rays that are still open. All that the loop needs is in local variables: rays are many, and what it
-/// writes might be anything.
-bool RayRecall::know_old(std::span<const std::uint32_t> numbers, std::span<std::uint32_t> seen) {
+/// Some rays were booked in this run: the others are asked for one by one.
+void RayRecall::know_booked(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally) {
+  for (std::uint32_t i = 0; i < numbers.size(); ++i) {
+    const std::uint32_t seen = memory_.seen[known_code(numbers[i])];
+    if (seen != memory_.sender_count + kIsOpen) {
+      tally.count(seen);
+    } else if (old_) {
+      know_old(numbers.subspan(i, 1), first + i, tally);
+    } else {
+      tally.open.push_back(first + i);
+    }
+  }
+}
+
+void RayRecall::know_old(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally) {
+  const std::uint32_t width = width_ == memory_.kept->old_width() ? width_ : 0;
+  if (width == 2) {
+    count_old<2>(numbers, first, tally);
+  } else if (width == 3) {
+    count_old<3>(numbers, first, tally);
+  } else {
+    count_old<0>(numbers, first, tally);
+  }
+}
+
+/// `kWidth` of old codes and of new ones; 0: as they say. All that the loop needs is in local variables: rays
+/// are many, and what it writes might be anything.
+template <std::uint32_t kWidth>
+void RayRecall::count_old(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally) {
   const std::uint32_t senders = memory_.sender_count, open = senders + kIsOpen, clear = 2 * vantages_ + 1,
                       rays = known_ != nullptr ? std::min(old_->rays, known_->rays) : old_->rays,
-                      old_width = memory_.kept->old_width(), width = width_;
+                      old_width = kWidth > 0 ? kWidth : memory_.kept->old_width(),
+                      width = kWidth > 0 ? kWidth : width_;
   const KeptSenders::Met* const met = memory_.senders.met.data();
   const std::uint32_t last = std::uint32_t(memory_.senders.met.size()) - 1;
   const std::byte* const old_codes = old_->codes;
   std::byte* const codes = known_ != nullptr ? known_->codes.data() : nullptr;
   const std::uint32_t* const clear_senders = clear_senders_.data();
   const bool faces_changes = faces_changes_;
-  std::uint32_t kept = 0, doubtful = 0;
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
+  std::uint32_t* const counts = tally.counts.data();
+  const auto touch = tally.touched.inserter();
+  const std::size_t beyond = tally.counts[senders + kIsNoRay] + tally.open.size() + tally.doubtful.size();
+  for (std::uint32_t i = 0; i < numbers.size(); ++i) {
     const std::uint32_t ray = numbers[i];
-    if (seen[i] != open || ray >= rays) continue;
-    const KeptSenders::Met now = met[std::min(load_code(old_codes, old_width, ray), last)];
-    std::uint32_t place = now.seen;
-    if (faces_changes && clear_senders[place] != clear) place = with_doubt(place, now.code);
-    seen[i] = place;
-    kept += place < senders + kIsNoRay ? 1 : 0;
-    doubtful += place > open ? 1 : 0;
-    if (codes != nullptr && place < open) store_code(codes, width, ray, now.code);
+    const KeptSenders::Met now =
+        ray < rays ? met[std::min(load_code(old_codes, old_width, ray), last)] : met[last];
+    if (now.seen == open) [[unlikely]] {
+      tally.open.push_back(first + i);
+    } else if (faces_changes && clear_senders[now.seen] != clear && doubtful(now)) [[unlikely]] {
+      tally.doubtful.push_back(first + i), tally.doubts.push_back(now.seen);
+    } else {
+      ++counts[now.seen];
+      touch(now.seen);
+      if (codes != nullptr) store_code(codes, width, ray, now.code);
+    }
   }
-  kept_rays_ += kept;
-  return doubtful > 0;
+  kept_rays_ +=
+      numbers.size() + beyond - (counts[senders + kIsNoRay] + tally.open.size() + tally.doubtful.size());
+}
+
+/// Whether something new may stand before what the receiver saw. Kept out of the loop that calls it.
+[[gnu::noinline]] bool RayRecall::doubtful(const KeptSenders::Met& met) {
+  return !stands_clear_of(met.seen) && !stands_clear(met.code);
 }
 
 std::uint32_t RayRecall::confirm(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays) {
@@ -194,9 +238,7 @@ std::uint32_t RayRecall::confirm(const RayNumbers& numbers, std::uint32_t lanes,
 
 /// Whether nothing new can stand before what the receiver saw, wherever on both the ray began and ended.
 bool RayRecall::stands_clear(std::uint32_t code) const {
-  if (!faces_changes_ || code == RayCodes::kNoRay) return true;
-  const RayCodes& codes = memory_.codes;
-  return codes.is_element(code) && memory_.kept->stands_clear(middle_, reach_, code - codes.first_element());
+  return !faces_changes_ || memory_.kept->stands_clear(own_, code);
 }
 
 std::uint32_t RayRecall::recall(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,

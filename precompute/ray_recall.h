@@ -43,7 +43,7 @@ class RayRecall {
   void end();
 
   /// As RaySight::know.
-  bool know(std::span<const std::uint32_t> numbers, std::vector<std::uint32_t>& seen);
+  void know(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally);
   /// As RaySight::confirm.
   std::uint32_t confirm(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays);
   /// Of the lanes `asked`, with these numbers in the sequence: those that are known, and what they see. Of
@@ -64,9 +64,14 @@ class RayRecall {
   std::uint64_t kept_samples() const { return kept_samples_; }
 
  private:
-  bool know_old(std::span<const std::uint32_t> numbers, std::span<std::uint32_t> seen);
+  void know_booked(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally);
+  void know_old(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally);
+  template <std::uint32_t kWidth>
+  void count_old(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally);
+  bool doubtful(const KeptSenders::Met& met);
+  void look_from(const Ball& origins);
+  bool stands_clear_from_vantage(std::uint32_t seen) const;
   bool stands_clear_of(std::uint32_t seen);
-  std::uint32_t with_doubt(std::uint32_t seen, std::uint32_t code);
   bool tell(std::uint32_t code, std::uint32_t ray, std::span<const EmitterHit> hits, std::size_t lane,
             PacketSight& sight) const;
   std::uint32_t recall_old(const RayNumbers& numbers, std::uint32_t asked, const RayPacket& rays,
@@ -90,9 +95,8 @@ class RayRecall {
   std::optional<OldRays> old_;
   bool old_samples_ = false;    ///< are of the same emitters
   bool faces_changes_ = true;   ///< rays may meet what was added
-  glm::vec3 middle_{0.0f};      ///< of the receiver
-  float reach_ = 0.0f;          ///< m, from there to the origins of its rays
-  Ball vantage_{};              ///< holds the origins of all rays of the receiver, and of others around it
+  Vantage own_{};               ///< of the receiver, where it faces changes
+  Vantage vantage_{};           ///< of the receiver, and of others around it
   std::uint32_t vantages_ = 0;  ///< so many there were
   /// Per number to count by: twice vantages_, when last asked, and 1 for yes.
   std::vector<std::uint32_t> clear_senders_;

@@ -2,6 +2,9 @@
 #include "precompute/ray_record.h"
 
 #include <algorithm>
+#include <iterator>
+
+#include "core/section_table.h"
 
 namespace relume {
 namespace {
@@ -25,27 +28,32 @@ KnownRays& RayRecord::of(std::uint64_t identity) {
   return shelf.rays[identity];
 }
 
-FileParts RayRecord::encode(RowsFile& file) {
+RecordedRays RayRecord::take(std::uint64_t emitters) {
   std::vector<std::pair<std::uint64_t, KnownRays*>> all;
   for (Shelf& shelf : shelves_) {
     for (auto& [identity, known] : shelf.rays) all.emplace_back(identity, &known);
   }
   std::sort(all.begin(), all.end());
-  std::vector<std::byte> samples;
-  std::vector<EmitterHit> hits;
-  std::vector<std::span<const std::byte>> codes;
+  RecordedRays rays;
   for (const auto& [identity, known] : all) {
-    const bool current = known->emitters == file.settings.emitters;
-    file.receivers.push_back({identity, known->rays, current ? std::uint32_t(known->samples.size()) : 0,
+    const bool current = known->emitters == emitters;
+    rays.receivers.push_back({identity, known->rays, current ? std::uint32_t(known->samples.size()) : 0,
                               std::uint32_t(known->emitter_hits.size()), 0});
-    if (current) append_samples(known->samples, samples);
-    hits.insert(hits.end(), known->emitter_hits.begin(), known->emitter_hits.end());
-    codes.emplace_back(known->codes);
+    if (current) append_samples(known->samples, rays.samples);
+    rays.emitter_hits.insert(rays.emitter_hits.end(), known->emitter_hits.begin(), known->emitter_hits.end());
+    rays.codes.emplace_back(rays.owned.emplace_back(std::move(known->codes)));
   }
-  file.samples = samples, file.emitter_hits = hits;
-  FileParts parts = encode_rows(file, codes);
-  for (const auto& [identity, known] : all) parts.owned.push_back(std::move(known->codes));
+  rays.codes.emplace_back(kCodesEnd);
+  rays.checksum = checksum_of(rays.codes);
   for (Shelf& shelf : shelves_) shelf.rays.clear();
+  return rays;
+}
+
+FileParts encode_rows(RowsFile& file, RecordedRays rays) {
+  file.receivers = std::move(rays.receivers);
+  file.samples = rays.samples, file.emitter_hits = rays.emitter_hits;
+  FileParts parts = encode_rows(file, rays.codes, rays.checksum);
+  std::move(rays.owned.begin(), rays.owned.end(), std::back_inserter(parts.owned));
   return parts;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -24,6 +25,19 @@ struct KnownRays {
   std::uint64_t emitters = 0;  ///< key of those that the samples were drawn from
 };
 
+/// What a .rows file says of rays.
+struct RecordedRays {
+  std::vector<ReceiverRecord> receivers;
+  std::vector<std::byte> samples;
+  std::vector<EmitterHit> emitter_hits;
+  std::vector<std::span<const std::byte>> codes;  ///< with their padding
+  std::uint64_t checksum = 0;                     ///< of the codes
+  std::vector<std::vector<std::byte>> owned;      ///< that they lie in
+};
+
+/// The bytes of a .rows file, with the rest of it in `file`.
+FileParts encode_rows(RowsFile& file, RecordedRays rays);
+
 /// Grows while rays are traced: whoever asks again for a ray need not trace it. Thread-safe.
 class RayRecord {
  public:
@@ -31,9 +45,8 @@ class RayRecord {
 
   /// Of a receiver, by its identity; lives as long as the record.
   KnownRays& of(std::uint64_t identity);
-  /// The bytes of a .rows file of everything, with the rest of it in `file`; forgets it. Samples of other
-  /// emitters than settings.emitters of the file are left out.
-  FileParts encode(RowsFile& file);
+  /// Everything; forgets it. Samples of other emitters than those of this key are left out.
+  RecordedRays take(std::uint64_t emitters);
 
  private:
   static constexpr std::size_t kShelves = 64;

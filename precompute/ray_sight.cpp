@@ -37,8 +37,8 @@ std::uint64_t RaySight::kept_samples() const {
   return recall_ ? recall_->kept_samples() : 0;
 }
 
-bool RaySight::know(std::span<const std::uint32_t> numbers, std::vector<std::uint32_t>& seen) {
-  return recall_->know(numbers, seen);
+void RaySight::know(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally) {
+  recall_->know(numbers, first, tally);
 }
 
 std::uint32_t RaySight::confirm(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays) {

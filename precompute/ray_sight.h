@@ -12,6 +12,7 @@
 #include "precompute/emitters.h"
 #include "precompute/ray_caster.h"
 #include "precompute/sender_lookup.h"
+#include "precompute/sender_set.h"
 
 namespace relume {
 
@@ -49,8 +50,21 @@ enum SeenBeyond : std::uint32_t {
   kIsOpen,  ///< not known
   kSeenBeyond
 };
-/// Together with a sender: unless something new stands before it.
-inline constexpr std::uint32_t kDoubtful = 0x80000000u;
+
+/// Rays of one receiver: those whose answers are known are counted, the others are listed.
+struct RayTally {
+  explicit RayTally(std::size_t numbers) : counts(numbers, 0), touched(numbers) {}
+
+  std::vector<std::uint32_t> counts;            ///< per number to count by
+  SenderSet touched;                            ///< with a count
+  std::vector<std::uint32_t> open;              ///< points that are to be traced
+  std::vector<std::uint32_t> doubtful, doubts;  ///< points, and what they see unless something new is before
+
+  void count(std::uint32_t number) {
+    ++counts[number];
+    touched.insert(number);
+  }
+};
 
 /// Of samples of emitters' area, lane by lane as bits.
 struct SeenSamples {
@@ -71,9 +85,9 @@ class RaySight {
   void begin(std::uint64_t identity, const Receiver& receiver, std::uint32_t rays, std::uint32_t samples);
   void end();
 
-  /// What the rays with these numbers see, as numbers to count by; possible emitters are left open. Returns
-  /// whether any are doubtful. Only with a memory.
-  bool know(std::span<const std::uint32_t> numbers, std::vector<std::uint32_t>& seen);
+  /// Counts what the rays with these numbers, points from `first` on, are known to see, and adds the others
+  /// to the lists; possible emitters are left open. Only with a memory.
+  void know(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally);
   /// Of doubtful lanes of a packet: those that see what they saw. Of the rays only origins and directions
   /// count.
   std::uint32_t confirm(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays);

@@ -2,8 +2,6 @@
 #include "precompute/rig.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
@@ -13,10 +11,6 @@
 namespace relume {
 namespace {
 
-constexpr int kGridPoints = 32;  ///< along the longest side of the scene
-constexpr int kDirections = 64;
-constexpr double kMaxEscapes = 0.2;
-constexpr double kMaxBackFaces = 0.5;
 constexpr double kMinEnclosedShare = 0.03;  ///< of the grid, for a scene to have rooms at all
 constexpr std::size_t kMinRoomPoints = 8;
 constexpr double kMinRoomShare = 0.1;  ///< of the enclosed points
@@ -32,14 +26,6 @@ struct Met {
   bool escaped = true;
   bool back_face = false;
 };
-
-/// Evenly spread directions (R. Swinbank, R. Purser, Fibonacci Grids, 2006).
-glm::vec3 sphere_direction(int i, int count) {
-  const double z = 1.0 - (2.0 * i + 1.0) / count;
-  const double angle = 2.39996322972865332 * i;
-  const double radius = std::sqrt(1.0 - z * z);
-  return glm::vec3(radius * std::cos(angle), z, radius * std::sin(angle));
-}
 
 void look(const Geometry& geometry, const RayCaster& caster, const glm::vec3& from,
           std::span<const glm::vec3> directions, std::span<Met> met) {
@@ -66,77 +52,6 @@ void look(const Geometry& geometry, const RayCaster& caster, const glm::vec3& fr
   }
 }
 
-/// Enclosed points of a grid over the scene.
-struct EnclosedGrid {
-  glm::ivec3 size{1};
-  glm::vec3 lower{0.0f};
-  float step = 1.0f;
-  std::vector<std::uint8_t> enclosed;
-
-  glm::vec3 point(std::size_t i) const {
-    const int x = int(i) % size.x, y = int(i) / size.x % size.y, z = int(i) / (size.x * size.y);
-    return lower + (glm::vec3(x, y, z) + 0.5f) * step;
-  }
-};
-
-/// Of so many neighbours along a row of the grid. Rays of one direction go together, for they are traced
-/// quicker so; no more than it takes to know.
-void find_enclosed(const Geometry& geometry, const RayCaster& caster,
-                   const std::array<glm::vec3, kDirections>& directions, std::size_t first, std::size_t count,
-                   EnclosedGrid& grid) {
-  std::array<int, kPacketSize> escaped{}, back{};
-  const auto open_with = [&](std::size_t i, int more) {
-    return escaped[i] + more > kMaxEscapes * kDirections || back[i] + more > kMaxBackFaces * kDirections;
-  };
-  const auto open = [&](std::size_t i) { return open_with(i, 0); };
-  int left = kDirections;
-  for (const glm::vec3& d : directions) {
-    RayPacket packet{};
-    packet.far.fill(-1.0f);
-    bool any = false;
-    for (std::size_t i = 0; i < std::size_t(kPacketSize); ++i) {
-      const glm::vec3 from = grid.point(first + std::min(i, count - 1));
-      packet.origin_x[i] = from.x, packet.origin_y[i] = from.y, packet.origin_z[i] = from.z;
-      packet.direction_x[i] = d.x, packet.direction_y[i] = d.y, packet.direction_z[i] = d.z;
-      if (i >= count || open(i) || !open_with(i, left)) continue;
-      packet.far[i] = std::numeric_limits<float>::infinity();
-      any = true;
-    }
-    if (!any) break;
-    --left;
-    const RayPacket::Floats far = packet.far;
-    caster.closest_hits(packet, RaySpread::narrow);
-    for (std::size_t i = 0; i < count; ++i) {
-      if (far[i] < 0.0f) continue;
-      const std::uint32_t triangle = packet.triangle[i];
-      escaped[i] += triangle == kNoTriangle ? 1 : 0;
-      if (triangle != kNoTriangle &&
-          !seen_surface(geometry, {triangle, packet.u[i], packet.v[i], Side::front}, d))
-        ++back[i];
-    }
-  }
-  for (std::size_t i = 0; i < count; ++i) grid.enclosed[first + i] = open(i) ? 0 : 1;
-}
-
-EnclosedGrid find_enclosed(const Geometry& geometry, const RayCaster& caster) {
-  EnclosedGrid grid;
-  const glm::vec3 extent = geometry.upper - geometry.lower;
-  grid.lower = geometry.lower;
-  grid.step = std::max({extent.x, extent.y, extent.z}) / kGridPoints;
-  if (!(grid.step > 0.0f)) return grid;
-  grid.size = glm::max(glm::ivec3(1), glm::ivec3(glm::ceil(extent / grid.step - 1e-3f)));
-  std::array<glm::vec3, kDirections> directions;
-  for (int i = 0; i < kDirections; ++i) directions[std::size_t(i)] = sphere_direction(i, kDirections);
-  grid.enclosed.assign(std::size_t(grid.size.x) * std::size_t(grid.size.y) * std::size_t(grid.size.z), 0);
-  const std::size_t packets = (grid.enclosed.size() + kPacketSize - 1) / kPacketSize;
-  tbb::parallel_for(std::size_t{0}, packets, [&](std::size_t p) {
-    const std::size_t first = p * kPacketSize;
-    find_enclosed(geometry, caster, directions, first,
-                  std::min<std::size_t>(kPacketSize, grid.enclosed.size() - first), grid);
-  });
-  return grid;
-}
-
 /// Enclosed points that can be reached from `seed` through enclosed neighbours with free ways between them.
 std::vector<std::size_t> flood(const EnclosedGrid& grid, const RayCaster& caster, std::size_t seed,
                                std::vector<std::uint8_t>& taken) {
@@ -144,13 +59,14 @@ std::vector<std::size_t> flood(const EnclosedGrid& grid, const RayCaster& caster
   taken[seed] = 1;
   for (std::size_t next = 0; next < room.size(); ++next) {
     const int i = int(room[next]);
-    const glm::ivec3 at{i % grid.size.x, i / grid.size.x % grid.size.y, i / (grid.size.x * grid.size.y)};
+    const glm::ivec3 at{i % grid.size().x, i / grid.size().x % grid.size().y,
+                        i / (grid.size().x * grid.size().y)};
     for (int axis = 0; axis < 3; ++axis) {
       for (const int way : {-1, 1}) {
         glm::ivec3 to = at;
         to[axis] += way;
-        if (to[axis] < 0 || to[axis] >= grid.size[axis]) continue;
-        const auto j = std::size_t(to.x + grid.size.x * (to.y + grid.size.y * to.z));
+        if (to[axis] < 0 || to[axis] >= grid.size()[axis]) continue;
+        const auto j = std::size_t(to.x + grid.size().x * (to.y + grid.size().y * to.z));
         if (taken[j] != 0 || grid.enclosed[j] == 0 || caster.occluded(grid.point(room[next]), grid.point(j)))
           continue;
         taken[j] = 1;
@@ -176,7 +92,7 @@ std::vector<glm::vec3> light_places(const Geometry& geometry, const RayCaster& c
     std::array<Met, 2> met;
     look(geometry, caster, p, kUpDown, met);
     if (met[0].escaped) continue;
-    const float below = met[1].escaped ? grid.step : met[1].distance;
+    const float below = met[1].escaped ? grid.grid.step : met[1].distance;
     const float height = met[0].distance + below;
     const float drop = height < 2.0f * kBelowCeiling ? 0.5f * height : kBelowCeiling;
     const float ceiling = p.y + met[0].distance;
@@ -185,7 +101,7 @@ std::vector<glm::vec3> light_places(const Geometry& geometry, const RayCaster& c
   }
   std::vector<glm::vec3> lights;
   for (const Place& place : places) {
-    if (place.ceiling >= highest - 0.5f * grid.step) lights.push_back(place.light);
+    if (place.ceiling >= highest - 0.5f * grid.grid.step) lights.push_back(place.light);
   }
   return lights;
 }
@@ -223,23 +139,23 @@ glm::vec3 best_place(const EnclosedGrid& grid, const RayCaster& caster, const st
 /// geometry.
 double open_share(const Geometry& geometry, const RayCaster& caster) {
   constexpr std::size_t kPoints = 1024;
-  std::array<glm::vec3, kDirections> directions;
+  std::array<glm::vec3, kLookDirections> directions;
   double total = 0.0, open = 0.0, next = 0.0;
   double area = 0.0;
   for (const float a : geometry.areas) area += a;
   for (std::uint32_t t = 0; t < geometry.triangles.size(); ++t) {
     total += geometry.areas[t];
     for (; next < total; next += area / kPoints) {
-      for (int i = 0; i < kDirections; ++i) {
-        const glm::vec3 d = sphere_direction(i, kDirections);
+      for (int i = 0; i < kLookDirections; ++i) {
+        const glm::vec3 d = sphere_direction(i, kLookDirections);
         directions[std::size_t(i)] = glm::dot(d, geometry.normals[t]) < 0.0f ? -d : d;
       }
-      std::array<Met, kDirections> met;
+      std::array<Met, kLookDirections> met;
       look(geometry, caster,
            geometry.point(t, 1.0f / 3.0f, 1.0f / 3.0f) + geometry.normals[t] * geometry.offset, directions,
            met);
       const auto escaped = std::count_if(met.begin(), met.end(), [](const Met& m) { return m.escaped; });
-      open += escaped > kMaxEscapes * kDirections ? 1.0 / kPoints : 0.0;
+      open += escaped > kMaxEscapes * kLookDirections ? 1.0 / kPoints : 0.0;
     }
   }
   return open;
@@ -261,10 +177,8 @@ Light rig_light(const glm::dvec3& position, std::size_t number) {
   return light;
 }
 
-}  // namespace
-
-std::vector<Light> room_lights(const Geometry& geometry, const RayCaster& caster) {
-  const EnclosedGrid grid = find_enclosed(geometry, caster);
+/// A light in each enclosed room, where that sees most of the room. Rooms are what sees each other.
+std::vector<Light> room_lights(const Geometry& geometry, const RayCaster& caster, const EnclosedGrid& grid) {
   const auto enclosed = std::size_t(std::count(grid.enclosed.begin(), grid.enclosed.end(), std::uint8_t{1}));
   std::vector<Light> lights;
   if (double(enclosed) < kMinEnclosedShare * double(grid.enclosed.size())) return lights;
@@ -284,12 +198,17 @@ std::vector<Light> room_lights(const Geometry& geometry, const RayCaster& caster
   return lights;
 }
 
-void light_model(const Scene& scene, const Geometry& geometry, const RayCaster& caster, Model& model,
-                 std::vector<std::string>& warnings) {
+}  // namespace
+
+void light_model(const Scene& scene, const Geometry& geometry, const RayCaster& caster,
+                 const EarlierLooks* earlier, Model& model, std::vector<std::string>& warnings,
+                 EnclosedGrid* looked) {
   model.lights = scene.lights;
   model.lit_by_rig = !scene_shines(scene);
   if (!model.lit_by_rig) return;
-  model.lights = room_lights(geometry, caster);
+  EnclosedGrid grid = find_enclosed(geometry, caster, earlier);
+  model.lights = room_lights(geometry, caster, grid);
+  if (looked != nullptr) *looked = std::move(grid);
   std::string rig;
   if (!model.lights.empty()) {
     rig = fmt::format("{} point light(s) of {} cd, {} m below the ceiling of each enclosed room",

@@ -46,8 +46,7 @@ RowTracer::RowTracer(const RowScene& scene)
     : scene_(scene),
       sight_(scene.geometry, scene.caster, scene.lookup, scene.emitters, scene.memory),
       emitter_points_(scene.emitters.list.empty() ? 0 : kMaxAreaSamples),
-      counts_(sender_count(scene) + kSeenBeyond, 0),
-      touched_(counts_.size()),
+      tally_(sender_count(scene) + kSeenBeyond),
       emitter_sums_(scene.emitters.list.size(), 0.0),
       area_sums_(scene.emitters.list.size(), 0.0) {
   if (!scene.directional) return;
@@ -78,16 +77,16 @@ TracedRow RowTracer::trace(const Receiver& receiver, const SobolPoints& points, 
 RowTracer::Totals RowTracer::trace_hemisphere(const Receiver& receiver, const SobolPoints& points,
                                               const PointRange& range, std::uint64_t key) {
   Totals totals;
-  open_.clear();
+  tally_.open.clear();
   if (scene_.memory != nullptr && !scene_.directional) {
     count_known(receiver, points, range, key, totals);
   } else {
     for (std::uint32_t p = range.first; p < std::min(range.first + range.count, points.count()); ++p)
-      open_.push_back(p);
+      tally_.open.push_back(p);
   }
   HemispherePacket packet;
   PacketSight seen;
-  for_each_packet(open_, [&](std::span<const std::uint32_t> some) {
+  for_each_packet(tally_.open, [&](std::span<const std::uint32_t> some) {
     make_packet(scene_.geometry, receiver, points, key, some, packet);
     sight_.see(packet.numbers, packet.used_lanes(), packet.rays, seen,
                [&](std::uint32_t lanes) { return owned_lanes(scene_, receiver, packet.origins, lanes); });
@@ -100,37 +99,30 @@ RowTracer::Totals RowTracer::trace_hemisphere(const Receiver& receiver, const So
 void RowTracer::count_known(const Receiver& receiver, const SobolPoints& points, const PointRange& range,
                             std::uint64_t key, Totals& totals) {
   const auto senders = std::uint32_t(sender_count(scene_));
-  if (sight_.know(points.numbers(range.first, range.count), seen_))
-    settle_doubts(receiver, points, range.first, key);
-  for (const std::uint32_t seen : seen_) {
-    ++counts_[seen];
-    touched_.insert(seen);
-  }
-  const auto take = [&](SeenBeyond beyond) { return std::exchange(counts_[senders + beyond], 0u); };
-  const std::uint32_t open = take(kIsOpen);
-  totals.traced = std::uint32_t(seen_.size()) - open - take(kIsNoRay);
+  const auto numbers = points.numbers(range.first, range.count);
+  sight_.know(numbers, range.first, tally_);
+  if (!tally_.doubtful.empty()) settle_doubts(receiver, points, key);
+  const auto take = [&](SeenBeyond beyond) { return std::exchange(tally_.counts[senders + beyond], 0u); };
+  totals.traced = std::uint32_t(numbers.size() - tally_.open.size()) - take(kIsNoRay);
   totals.back_faces = take(kSeesBack);
   totals.arrived = totals.traced - totals.back_faces - take(kSeesNothing);
-  for (std::uint32_t i = 0; i < seen_.size() && open_.size() < open; ++i) {
-    if (seen_[i] == senders + kIsOpen) open_.push_back(range.first + i);
-  }
 }
 
-void RowTracer::settle_doubts(const Receiver& receiver, const SobolPoints& points, std::uint32_t first,
-                              std::uint64_t key) {
-  doubtful_.clear();
-  for (std::uint32_t i = 0; i < seen_.size(); ++i) {
-    if ((seen_[i] & kDoubtful) != 0) doubtful_.push_back(first + i);
-  }
+void RowTracer::settle_doubts(const Receiver& receiver, const SobolPoints& points, std::uint64_t key) {
   HemispherePacket packet;
-  for_each_packet(doubtful_, [&](std::span<const std::uint32_t> some) {
+  std::size_t next = 0;
+  for_each_packet(tally_.doubtful, [&](std::span<const std::uint32_t> some) {
     make_packet(scene_.geometry, receiver, points, key, some, packet);
     const std::uint32_t certain = sight_.confirm(packet.numbers, packet.used_lanes(), packet.rays);
-    for (std::size_t lane = 0; lane < some.size(); ++lane) {
-      std::uint32_t& seen = seen_[some[lane] - first];
-      seen = (certain >> lane & 1u) != 0 ? seen & ~kDoubtful : std::uint32_t(sender_count(scene_)) + kIsOpen;
+    for (std::size_t lane = 0; lane < some.size(); ++lane, ++next) {
+      if ((certain >> lane & 1u) != 0) {
+        tally_.count(tally_.doubts[next]);
+      } else {
+        tally_.open.push_back(some[lane]);
+      }
     }
   });
+  tally_.doubtful.clear(), tally_.doubts.clear();
 }
 
 /// The sender that is seen, whose ray is counted; kNone where none is.
@@ -146,8 +138,7 @@ inline std::uint32_t RowTracer::count_arrival(std::uint32_t place, std::uint32_t
 inline std::uint32_t RowTracer::count_place(std::uint32_t place, std::uint32_t sender, Totals& totals) {
   const std::uint32_t seen = count_arrival(place, sender, totals);
   if (seen == kNone) return kNone;
-  ++counts_[seen];
-  touched_.insert(seen);
+  tally_.count(seen);
   return seen;
 }
 
@@ -230,22 +221,24 @@ FormFactorRow RowTracer::finish_row(const Totals& totals) {
   double emitted = 0.0;
   for (std::size_t e = 0; e < emitter_sums_.size(); ++e) {
     emitted += emitter_sums_[e];
-    if (emitter_sums_[e] > 0.0) touched_.insert(scene_.emitters.list[e].cluster);
+    if (emitter_sums_[e] > 0.0) tally_.touched.insert(scene_.emitters.list[e].cluster);
   }
   const std::uint32_t counted = totals.arrived - totals.arrived_at_emitters;
   const RowScales scales =
       close_row(emitted, totals.traced > 0 ? double(counted) / totals.traced : 0.0, row_sum);
-  row.senders.reserve(touched_.size());
-  row.values.reserve(touched_.size());
-  touched_.drain([&](std::uint32_t sender) {
+  row.senders.reserve(tally_.touched.size());
+  row.values.reserve(tally_.touched.size());
+  const bool any_emitters = !scene_.emitters.list.empty();
+  tally_.touched.drain([&](std::uint32_t sender) {
     if (sender >= sender_count(scene_)) return;
-    double value = counts_[sender] * scales.counted / std::max(1u, totals.traced);
-    const std::uint32_t emitter = sender < scene_.cluster_count ? scene_.emitters.of(sender) : kNone;
+    double value = tally_.counts[sender] * scales.counted / std::max(1u, totals.traced);
+    const std::uint32_t emitter =
+        any_emitters && sender < scene_.cluster_count ? scene_.emitters.of(sender) : kNone;
     if (emitter != kNone) value += emitter_sums_[emitter] * scales.emitted;
     row.senders.push_back(sender);
     row.values.push_back(float(value));
     if (scene_.directional) row.moments.push_back(finish_moment(sender, emitter, scales, totals.traced));
-    counts_[sender] = 0;
+    tally_.counts[sender] = 0;
   });
   std::fill(emitter_sums_.begin(), emitter_sums_.end(), 0.0);
   std::fill(emitter_moments_.begin(), emitter_moments_.end(), glm::dvec3(0.0));

@@ -82,12 +82,11 @@ class RowTracer {
   };
   Totals trace_hemisphere(const Receiver& receiver, const SobolPoints& points, const PointRange& range,
                           std::uint64_t key);
-  /// Counts what is known; the points that are not go to open_.
+  /// Counts what is known, and lists the points that are not.
   void count_known(const Receiver& receiver, const SobolPoints& points, const PointRange& range,
                    std::uint64_t key, Totals& totals);
-  /// Of seen_: doubtful ones become certain, or open.
-  void settle_doubts(const Receiver& receiver, const SobolPoints& points, std::uint32_t first,
-                     std::uint64_t key);
+  /// Doubtful points are counted, or open.
+  void settle_doubts(const Receiver& receiver, const SobolPoints& points, std::uint64_t key);
   std::uint32_t count_arrival(std::uint32_t place, std::uint32_t sender, Totals& totals);
   std::uint32_t count_place(std::uint32_t place, std::uint32_t sender, Totals& totals);
   /// Of the packet, directions and origins of lanes that see a possible emitter, or of all in a directional
@@ -108,13 +107,8 @@ class RowTracer {
 
   const RowScene& scene_;
   RaySight sight_;
-  std::vector<std::uint32_t> seen_;             ///< per point, as numbers to count by
-  std::vector<std::uint32_t> open_, doubtful_;  ///< points that are to be traced, and to be confirmed
   SobolPoints emitter_points_;
-  /// Per sender: rays that arrived, except those counted in emitter_sums_. The others that are numbers to
-  /// count by follow.
-  std::vector<std::uint32_t> counts_;
-  SenderSet touched_;               ///< with a count
+  RayTally tally_;                  ///< of rays that arrived, except those counted in emitter_sums_
   std::uint32_t area_samples_ = 0;  ///< of all emitters together
   EmitterChoice choice_;
   std::vector<double> emitter_sums_;  ///< per emitter: form factor

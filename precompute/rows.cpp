@@ -20,10 +20,11 @@ constexpr std::uint32_t kSurveyRays = 512, kSurveyElementRays = 32;
 
 struct Worker {
   explicit Worker(const RowScene& scene)
-      : emitters(scene.emitters), tracer(scene), mean(sender_count(scene)) {}
+      : emitters(scene.emitters), tracer(scene), mean(sender_count(scene)), store(sender_count(scene)) {}
   const Emitters& emitters;
   RowTracer tracer;
   RowMean mean;
+  RowStore store;
   std::uint64_t cluster_entries = 0, element_entries = 0;
 };
 using Workers = tbb::enumerable_thread_specific<Worker>;
@@ -103,22 +104,34 @@ FormFactorRow cluster_row(const SystemSurface& surface, std::span<const std::uin
   return mean.finish();
 }
 
+/// Puts a row where it belongs.
+void put_row(FormFactorRow row, std::size_t at, const std::optional<ValueCodec>& codec, RowStore& store,
+             std::vector<FormFactorRow>& rows, std::vector<StoredRow>& stored) {
+  if (codec) {
+    stored[at] = store.put(row, *codec);
+  } else {
+    rows[at] = std::move(row);
+  }
+}
+
 /// Row of one cluster, and those of its elements.
-void trace_cluster(const RowScene& scene, const TracedSystem& system, std::span<const std::uint32_t> members,
-                   const SobolPoints& points, const RayLimits& limits, Worker& worker, FormFactorRow& row,
-                   SystemRows& rows) {
+void trace_cluster(const RowScene& scene, const TracedSystem& system, std::uint32_t cluster,
+                   std::span<const std::uint32_t> members, const SobolPoints& points, const RayLimits& limits,
+                   const StoreChoice& store, Worker& worker, SystemRows& rows) {
   RowRays rays;
   std::vector<TracedRow> traced =
       trace_neighbours(receivers_of(scene, system, members), points, limits, worker, rays);
-  row = cluster_row(system.surface.surface, members, traced, worker.mean);
+  FormFactorRow row = cluster_row(system.surface.surface, members, traced, worker.mean);
   row.moments = {};  // only what is gathered has directions
   worker.cluster_entries += row.senders.size();
+  put_row(std::move(row), cluster, store.clusters, worker.store, rows.clusters, rows.stored_clusters);
   for (std::size_t i = 0; i < members.size(); ++i) {
     rows.element_back_face_share[members[i]] = traced[i].back_face_share;
     rows.element_rays[members[i]] = rays;
     if (!system.own_elements[members[i]]) continue;
     worker.element_entries += traced[i].row.senders.size();
-    rows.elements[members[i]] = std::move(traced[i].row);
+    put_row(std::move(traced[i].row), members[i], store.elements, worker.store, rows.elements,
+            rows.stored_elements);
   }
 }
 
@@ -175,13 +188,17 @@ std::vector<std::vector<std::uint32_t>> members_of_clusters(const ClusteredSurfa
 
 Result<SystemRows> trace_system(const RowScene& scene, const TracedSystem& system, const RayLimits& limits,
                                 std::span<const std::uint32_t> node_quality, RowCounts& counts,
-                                const ProgressObserver& observer, const RowsTaker& taker) {
+                                const ProgressObserver& observer, const RowsTaker& taker,
+                                const StoreChoice& store) {
   SystemRows rows;
   const std::uint32_t clusters = system.surface.cluster_count;
-  rows.clusters.resize(clusters);
-  rows.elements.resize(system.surface.surface.elements.size());
-  rows.element_back_face_share.resize(rows.elements.size());
-  rows.element_rays.resize(rows.elements.size(), {limits.rays});
+  const std::size_t elements = system.surface.surface.elements.size();
+  if (store.clusters) rows.stored_clusters.resize(clusters);
+  if (!store.clusters) rows.clusters.resize(clusters);
+  if (store.elements) rows.stored_elements.resize(elements);
+  if (!store.elements) rows.elements.resize(elements);
+  rows.element_back_face_share.resize(elements);
+  rows.element_rays.resize(elements, {limits.rays});
   const auto members = members_of_clusters(system.surface);
   const NodePoints nodes(limits, node_quality);
   Workers workers([&] { return Worker(scene); });
@@ -191,8 +208,8 @@ Result<SystemRows> trace_system(const RowScene& scene, const TracedSystem& syste
     tbb::parallel_for(first, last, [&](std::uint32_t c) {
       if (progress.cancelled() || !in_sample(c, limits.every)) return;
       const std::uint32_t node = system.node(members[c][0]);
-      trace_cluster(scene, system, members[c], nodes.points(node), nodes.limits(node), workers.local(),
-                    rows.clusters[c], rows);
+      trace_cluster(scene, system, c, members[c], nodes.points(node), nodes.limits(node), store,
+                    workers.local(), rows);
       progress.one_done();
     });
     if (taker && !progress.cancelled()) taker(last, rows);
@@ -200,6 +217,7 @@ Result<SystemRows> trace_system(const RowScene& scene, const TracedSystem& syste
   }
   if (progress.cancelled()) return fail(ErrorCode::cancelled, "stopped while tracing rays");
   add_counts(workers, counts);
+  for (Worker& worker : workers) rows.stores.push_back(std::move(worker.store));
   return rows;
 }
 

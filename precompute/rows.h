@@ -11,6 +11,7 @@
 #include "core/result.h"
 #include "precompute/precompute.h"
 #include "precompute/probing.h"
+#include "precompute/row_store.h"
 #include "precompute/row_tracer.h"
 
 namespace relume {
@@ -19,6 +20,9 @@ struct SystemRows {
   std::vector<FormFactorRow> clusters;
   std::vector<FormFactorRow>
       elements;  ///< rows of the elements that are lumels' own; empty ones for the others
+  /// In place of either, where they are encoded as they are traced.
+  std::vector<StoredRow> stored_clusters, stored_elements;
+  std::vector<RowStore> stores;                ///< of the stored ones
   std::vector<float> element_back_face_share;  ///< per element
   std::vector<RowRays> element_rays;           ///< per element
 };
@@ -93,7 +97,8 @@ using RowsTaker = std::function<void(std::uint32_t last, SystemRows& rows)>;
 /// `node_quality`: per node of the scene, rays of its rows; 0: as `limits` say.
 Result<SystemRows> trace_system(const RowScene& scene, const TracedSystem& system, const RayLimits& limits,
                                 std::span<const std::uint32_t> node_quality, RowCounts& counts,
-                                const ProgressObserver& observer, const RowsTaker& taker = {});
+                                const ProgressObserver& observer, const RowsTaker& taker = {},
+                                const StoreChoice& store = {});
 
 /// Rows of clusters alone, of few rays: enough to see what lights what.
 struct SurveyRows {

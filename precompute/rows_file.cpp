@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <glm/vector_relational.hpp>
 
 #include "core/section_table.h"
 
@@ -80,6 +81,8 @@ bool sound_scene(const RowsFile& rows) {
   if (!rows.ties.empty() && rows.ties.size() != triangles) return false;
   if (rows.whole_elements.size() != rows.element_keys.size()) return false;
   if (!std::is_sorted(rows.views.begin(), rows.views.end())) return false;
+  if (glm::any(glm::lessThan(rows.look_grid.size, glm::ivec3(1)))) return false;
+  if (rows.look_grid.points() != rows.looks.size()) return false;
   for (const glm::vec3& p : rows.positions) {
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return false;
   }
@@ -125,13 +128,16 @@ Result<void> read_settings(const Reader& reader, RowsFile& rows) {
 Result<void> read_all(const Reader& reader, RowsFile& rows) {
   if (auto read = read_settings(reader, rows); !read) return read;
   std::vector<std::string> names;
+  std::vector<LookGrid> grids;
   const bool whole = reader.read("RNAM", names) && reader.read("RNOD", rows.nodes) &&
                      reader.read("RPOS", rows.positions) && reader.read("RTRI", rows.triangles) &&
                      reader.read("RTKY", rows.triangle_keys) && reader.read("RTND", rows.triangle_nodes) &&
                      reader.read("RTIE", rows.ties) && reader.read("RELM", rows.element_keys) &&
                      reader.read("RWHL", rows.whole_elements) && reader.read("RVWS", rows.views) &&
+                     reader.read("RGRD", grids) && reader.read("RLKS", rows.looks) && grids.size() <= 1 &&
                      reader.read("RRCV", rows.receivers) && names.size() == 2;
   if (!whole) return reader.bad("expected sections of whole entries, found one that ends inside an entry");
+  if (!grids.empty()) rows.look_grid = grids[0];
   rows.scene_file = names[0], rows.ray_tracer = names[1];
   const auto hits = reader.bytes("REMH");
   rows.codes = reader.bytes("RCOD"), rows.samples = reader.bytes("RSMP");
@@ -147,14 +153,12 @@ Result<void> read_all(const Reader& reader, RowsFile& rows) {
 }  // namespace
 
 std::vector<std::byte> encode_rows(const RowsFile& rows) {
-  const std::span<const std::byte> codes = rows.codes.first(rows.codes.size() - kCodePadding);
-  return encode_rows(rows, std::span(&codes, 1)).joined();
+  const std::span<const std::span<const std::byte>> codes(&rows.codes, 1);
+  return encode_rows(rows, codes, checksum_of(codes)).joined();
 }
 
-FileParts encode_rows(const RowsFile& rows, std::span<const std::span<const std::byte>> codes) {
-  static constexpr std::array<std::byte, kCodePadding> kPadding{};
-  std::vector<std::span<const std::byte>> parts(codes.begin(), codes.end());
-  parts.emplace_back(kPadding);
+FileParts encode_rows(const RowsFile& rows, std::span<const std::span<const std::byte>> codes,
+                      std::uint64_t checksum) {
   SectionWriter writer;
   const auto add = [&](std::string_view id, const auto& values, std::uint32_t flags = 0) {
     writer.add(id, kWhole, std::as_bytes(std::span(values)), flags);
@@ -170,17 +174,25 @@ FileParts encode_rows(const RowsFile& rows, std::span<const std::span<const std:
   add("RELM", rows.element_keys);
   add("RWHL", rows.whole_elements);
   add("RVWS", rows.views, kSectionOptional);
+  if (!rows.looks.empty()) add("RGRD", std::span(&rows.look_grid, 1), kSectionOptional);
+  add("RLKS", rows.looks, kSectionOptional);
   add("RRCV", rows.receivers);
-  writer.borrow("RCOD", kWhole, parts);
+  writer.borrow("RCOD", kWhole, codes, 0, checksum);
   add("RSMP", rows.samples);
   add("REMH", rows.emitter_hits);
   return std::move(writer).finish_parts();
 }
 
 Result<RowsFile> decode_rows(std::vector<std::byte> bytes, const std::string& name) {
+  const auto owner = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
+  return decode_rows(owner, *owner, name);
+}
+
+Result<RowsFile> decode_rows(std::shared_ptr<const void> owner, std::span<const std::byte> bytes,
+                             const std::string& name) {
   RowsFile rows;
-  rows.bytes = std::move(bytes);
-  const auto sections = read_sections(rows.bytes, name);
+  rows.owner = std::move(owner);
+  const auto sections = read_sections(bytes, name);
   if (!sections) return tl::unexpected(sections.error());
   if (auto read = read_all(Reader(*sections, name), rows); !read) return tl::unexpected(read.error());
   return rows;

@@ -7,7 +7,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -46,6 +48,29 @@ struct ReceiverRecord {
 };
 static_assert(sizeof(ReceiverRecord) == 24);
 
+/// Points that the rig (rig.h) looks around from: the middles of cells of this edge, from `lower` on, x
+/// fastest. Stored.
+struct LookGrid {
+  glm::vec3 lower{0.0f};
+  float step = 0.0f;  ///< m; 0: there are none
+  glm::ivec3 size{1};
+  std::uint32_t reserved = 0;  ///< zero
+
+  bool operator==(const LookGrid&) const = default;
+  std::size_t points() const {
+    return step > 0.0f ? std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z) : 0;
+  }
+};
+static_assert(sizeof(LookGrid) == 32);
+
+/// What the rays of such a point met, the first in the lowest bit. Stored.
+struct PointLook {
+  std::uint64_t escaped = 0, back = 0;
+  std::uint32_t rays = 0;      ///< traced
+  std::uint32_t reserved = 0;  ///< zero
+};
+static_assert(sizeof(PointLook) == 24);
+
 /// A sample of an emitter's area, in two bits.
 enum class SampleState : std::uint8_t {
   unknown,
@@ -69,11 +94,13 @@ struct RowsFile {
   std::vector<std::uint64_t> element_keys;
   std::vector<std::uint8_t> whole_elements;  ///< per element: all of its light patches belong to it
   std::vector<std::uint64_t> views;          ///< answers about surroundings (views.h), ascending
+  LookGrid look_grid;
+  std::vector<PointLook> looks;              ///< per point of the grid
   std::vector<ReceiverRecord> receivers;     ///< ascending by identity
   std::span<const std::byte> codes;          ///< of all receivers; kCodePadding bytes follow
   std::span<const std::byte> samples;        ///< of all receivers; each begins a new byte
   std::span<const EmitterHit> emitter_hits;  ///< of all receivers, of each ascending by ray
-  std::vector<std::byte> bytes;              ///< that these three may point into
+  std::shared_ptr<const void> owner;         ///< of the bytes that these three may point into
 
   RayCodes ray_codes() const { return {std::uint32_t(triangles.size()), std::uint32_t(element_keys.size())}; }
 };
@@ -81,11 +108,21 @@ struct RowsFile {
 /// The bytes of a .rows file.
 std::vector<std::byte> encode_rows(const RowsFile& rows);
 
-/// The same with codes that lie elsewhere, in parts that follow each other, without the padding; they are
-/// borrowed, and nothing else.
-FileParts encode_rows(const RowsFile& rows, std::span<const std::span<const std::byte>> codes);
+/// The same with codes that lie elsewhere, in parts that follow each other, the padding among them; they are
+/// borrowed, and nothing else. `checksum` of them (core/section_table.h).
+FileParts encode_rows(const RowsFile& rows, std::span<const std::span<const std::byte>> codes,
+                      std::uint64_t checksum);
+
+/// What follows the codes.
+inline constexpr std::array<std::byte, kCodePadding> kCodesEnd{};
 
 /// Verifies structure, checksums, sizes and order. `name` is used in messages.
 Result<RowsFile> decode_rows(std::vector<std::byte> bytes, const std::string& name);
+/// The same of bytes that `owner` holds.
+Result<RowsFile> decode_rows(std::shared_ptr<const void> owner, std::span<const std::byte> bytes,
+                             const std::string& name);
+
+/// decode_rows of a file. Fails (bad_input) also when it cannot be read.
+Result<RowsFile> read_rows(const std::filesystem::path& file);
 
 }  // namespace relume

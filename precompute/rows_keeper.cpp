@@ -8,17 +8,15 @@
 
 namespace relume {
 
-RowsKeeper::RowsKeeper(const Scene& scene, const PrecomputeOptions& options, const Geometry& geometry,
-                       const RayCaster& caster)
-    : scene_(scene), options_(options), caster_(caster), triangle_keys_(triangle_keys(geometry)) {}
+RowsKeeper::RowsKeeper(const Scene& scene, const PrecomputeOptions& options, const Geometry& geometry)
+    : scene_(scene), options_(options), triangle_keys_(triangle_keys(geometry)) {}
 
 Result<std::unique_ptr<RowsKeeper>> RowsKeeper::start(const Scene& scene, const PrecomputeOptions& options,
-                                                      const Geometry& geometry, const RayCaster& caster,
-                                                      PrecomputeReport& report) {
-  std::unique_ptr<RowsKeeper> keeper(new RowsKeeper(scene, options, geometry, caster));
+                                                      const Geometry& geometry, PrecomputeReport& report) {
+  std::unique_ptr<RowsKeeper> keeper(new RowsKeeper(scene, options, geometry));
   if (options.old_rows == nullptr) return keeper;
-  auto change = SceneChange::find(*options.old_rows, options.old_rows_name, scene, geometry, caster,
-                                  options.seed, keeper->triangle_keys_);
+  auto change = SceneChange::find(*options.old_rows, options.old_rows_name, scene, geometry, options.seed,
+                                  keeper->triangle_keys_);
   if (!change) return tl::unexpected(change.error());
   report.changed_nodes = change->nodes();
   keeper->change_.emplace(std::move(*change));
@@ -30,16 +28,20 @@ std::optional<EarlierSurfaces> RowsKeeper::earlier() const {
   return EarlierSurfaces{*change_, triangle_keys_};
 }
 
-Result<void> RowsKeeper::follow(const Surfaces& surfaces, const SenderLookup& lookup,
+std::vector<std::uint8_t> RowsKeeper::known_ties(const Geometry& geometry) const {
+  return change_ ? change_->known_ties(geometry) : std::vector<std::uint8_t>();
+}
+
+Result<void> RowsKeeper::follow(const Surfaces& surfaces, const SenderLookup& lookup, const RayCaster& caster,
                                 const PrecomputeReport& report) {
-  surfaces_ = &surfaces;
+  surfaces_ = &surfaces, caster_ = &caster;
   element_keys_ =
       element_keys({surfaces.geometry, triangle_keys_, surfaces.charts, surfaces.layouts}, surfaces.systems);
   memory_.codes = {std::uint32_t(triangle_keys_.size()), lookup.element_count()};
   if (options_.keep_rows) memory_.record.emplace(memory_.codes);
   if (!change_) return {};
-  auto kept = KeptRays::compare(*change_, options_.old_rows_name, report.texel_size, surfaces, caster_,
-                                lookup, element_keys_);
+  auto kept = KeptRays::compare(*change_, options_.old_rows_name, report.texel_size, surfaces, caster, lookup,
+                                element_keys_);
   if (!kept) return tl::unexpected(kept.error());
   memory_.kept = &kept_.emplace(std::move(*kept));
   return {};
@@ -68,8 +70,21 @@ void RowsKeeper::keep_whole(const std::vector<std::vector<std::uint32_t>>& order
   }
 }
 
+std::optional<EarlierLooks> RowsKeeper::earlier_looks() const {
+  if (!change_ || !change_->comparable()) return std::nullopt;
+  return EarlierLooks{change_->old(), change_->changed_boxes(surfaces_->geometry, *caster_)};
+}
+
+void RowsKeeper::keep_looks(EnclosedGrid grid) {
+  looked_ = std::move(grid);
+}
+
 std::uint64_t RowsKeeper::memory_of(std::uint64_t rays) const {
   return memory_.record ? rays * memory_.codes.width() : 0;
+}
+
+void RowsKeeper::take_rays() {
+  rays_ = memory_.record->take(memory_.emitters);
 }
 
 FileParts RowsKeeper::finish(const PrecomputeReport& report) {
@@ -80,15 +95,16 @@ FileParts RowsKeeper::finish(const PrecomputeReport& report) {
   file.settings.texel_size = report.texel_size, file.settings.cluster_size = report.cluster_size;
   file.settings.origin = geometry.origin;
   file.settings.emitters = memory_.emitters;
-  file.scene_file = scene_.file_name, file.ray_tracer = caster_.description();
+  file.scene_file = scene_.file_name, file.ray_tracer = caster_->description();
   for (const SceneNode& node : scene_.nodes) file.nodes.push_back(node.path);
   file.positions = geometry.positions, file.triangles = geometry.triangles;
   file.triangle_keys = std::move(triangle_keys_), file.triangle_nodes = geometry.node;
-  file.ties = caster_.ties();
+  file.ties = caster_->ties();
   file.element_keys = std::move(element_keys_), file.whole_elements = std::move(whole_);
   std::set_union(surfaces_->views.begin(), surfaces_->views.end(), patch_views_.begin(), patch_views_.end(),
                  std::back_inserter(file.views));
-  return memory_.record->encode(file);
+  file.look_grid = looked_.grid, file.looks = std::move(looked_.looks);
+  return encode_rows(file, std::move(rays_));
 }
 
 }  // namespace relume

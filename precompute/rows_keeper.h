@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "precompute/enclosed_grid.h"
 #include "precompute/kept_rays.h"
 #include "precompute/light_samples.h"
 #include "precompute/precompute.h"
@@ -18,14 +19,16 @@ namespace relume {
 /// PrecomputeReport::rows.
 class RowsKeeper {
  public:
-  /// Before surfaces are cut. Borrows scene, options and caster. Fails as SceneChange::find does.
+  /// Before surfaces are cut. Borrows scene and options. Fails as SceneChange::find does.
   static Result<std::unique_ptr<RowsKeeper>> start(const Scene& scene, const PrecomputeOptions& options,
-                                                   const Geometry& geometry, const RayCaster& caster,
-                                                   PrecomputeReport& report);
+                                                   const Geometry& geometry, PrecomputeReport& report);
+  /// As RayCaster::create takes them.
+  std::vector<std::uint8_t> known_ties(const Geometry& geometry) const;
   /// For cut_surfaces; nothing without old rows.
   std::optional<EarlierSurfaces> earlier() const;
-  /// Once they are cut; borrows both. Fails as KeptRays::compare does.
-  Result<void> follow(const Surfaces& surfaces, const SenderLookup& lookup, const PrecomputeReport& report);
+  /// Once they are cut; borrows all. Fails as KeptRays::compare does.
+  Result<void> follow(const Surfaces& surfaces, const SenderLookup& lookup, const RayCaster& caster,
+                      const PrecomputeReport& report);
 
   /// Since the old rows; nothing without.
   const SceneChange* change() const { return change_ ? &*change_ : nullptr; }
@@ -36,22 +39,28 @@ class RowsKeeper {
   /// Of the others, `views` are the answers about their patches.
   void keep_whole(const std::vector<std::vector<std::uint32_t>>& orders, const WholeElements& whole,
                   std::vector<std::uint64_t> views);
+  /// Of what the rig sees; nothing without old rows.
+  std::optional<EarlierLooks> earlier_looks() const;
+  void keep_looks(EnclosedGrid grid);
   /// Bytes that so many rays take, until their file is written.
   std::uint64_t memory_of(std::uint64_t rays) const;
-  /// The bytes of a .rows file, where options ask to keep rows. Forgets the rays.
+  /// Once all rays are traced, where options ask to keep rows.
+  void take_rays();
+  /// Then: the bytes of a .rows file. Forgets the rays.
   FileParts finish(const PrecomputeReport& report);
 
  private:
-  RowsKeeper(const Scene& scene, const PrecomputeOptions& options, const Geometry& geometry,
-             const RayCaster& caster);
+  RowsKeeper(const Scene& scene, const PrecomputeOptions& options, const Geometry& geometry);
 
   const Scene& scene_;
   const PrecomputeOptions& options_;
-  const RayCaster& caster_;
   const Surfaces* surfaces_ = nullptr;  ///< once they are cut
+  const RayCaster* caster_ = nullptr;   ///< then
   std::vector<std::uint64_t> triangle_keys_, element_keys_;
   std::vector<std::uint8_t> whole_;  ///< per element of all systems
   std::vector<std::uint64_t> patch_views_;
+  EnclosedGrid looked_;
+  RecordedRays rays_;
   std::optional<SceneChange> change_;
   std::optional<KeptRays> kept_;
   RayMemory memory_;

@@ -16,6 +16,9 @@ namespace {
 /// the largest coordinate.
 constexpr float kMargin = 0x1p-15f;
 
+/// More boxes are joined to one.
+constexpr std::size_t kMostBoxes = 8;
+
 /// Of `old_of`, the longest part that ascends (M. Fredman, On Computing the Length of Longest Increasing
 /// Subsequences, 1975): true where an entry belongs to it. kNone never does.
 std::vector<bool> ascending(const std::vector<std::uint32_t>& old_of) {
@@ -55,26 +58,16 @@ Result<std::optional<RayCaster>> caster_of(std::span<const glm::vec3> positions,
   return std::optional<RayCaster>(std::move(*caster));
 }
 
-Result<void> check_settings(const RowsFile& old, const std::string& name, std::uint64_t seed,
-                            const RayCaster& caster) {
-  const auto bad = [&](const std::string& what) {
-    return fail(ErrorCode::bad_input, fmt::format("{}: {}; precompute without --update", name, what));
-  };
-  if (old.settings.seed != seed)
-    return bad(fmt::format("expected rows of --seed {}, found those of {}", seed, old.settings.seed));
-  if (old.ray_tracer != caster.description()) {
-    return bad(
-        fmt::format("expected rows traced by {}, found those of {}", caster.description(), old.ray_tracer));
-  }
-  return {};
-}
-
 }  // namespace
 
 Result<SceneChange> SceneChange::find(const RowsFile& old, const std::string& name, const Scene& scene,
-                                      const Geometry& geometry, const RayCaster& caster, std::uint64_t seed,
+                                      const Geometry& geometry, std::uint64_t seed,
                                       std::span<const std::uint64_t> keys) {
-  if (auto same = check_settings(old, name, seed, caster); !same) return tl::unexpected(same.error());
+  if (old.settings.seed != seed) {
+    return fail(ErrorCode::bad_input,
+                fmt::format("{}: expected rows of --seed {}, found those of {}; precompute without --update",
+                            name, seed, old.settings.seed));
+  }
   SceneChange change(old);
   change.margin_ = kMargin * largest_coordinate(geometry.positions);
   change.match(geometry, scene, keys);
@@ -104,6 +97,7 @@ void SceneChange::match(const Geometry& geometry, const Scene& scene, std::span<
   const std::vector<bool> unchanged = ascending(old_of);
   std::set<std::string> nodes;
   new_triangles_.assign(old_.triangles.size(), kNone);
+  triangles_ = keys.size();
   for (std::uint32_t t = 0; t < keys.size(); ++t) {
     if (unchanged[t]) {
       new_triangles_[old_of[t]] = t;
@@ -131,9 +125,55 @@ Result<void> SceneChange::cast(const Geometry& geometry) {
   if (!boxes.empty()) {
     added_bounds_ = BoxTree(boxes).bounds();
   }
+  const std::size_t added_boxes = boxes.size();
   for (const auto t : removed_triangles_) boxes.push_back(box_of(old_.positions, old_.triangles[t]));
+  if (boxes.size() > added_boxes)
+    removed_bounds_ = BoxTree({boxes.begin() + std::ptrdiff_t(added_boxes), boxes.end()}).bounds();
   boxes_ = BoxTree(std::move(boxes));
   return {};
+}
+
+std::vector<std::uint8_t> SceneChange::known_ties(const Geometry& geometry) const {
+  // What is near or thin is told by the largest coordinate.
+  if (!comparable_ || largest_coordinate(geometry.positions) != largest_coordinate(old_.positions)) return {};
+  std::vector<Box> boxes;
+  for (const auto t : removed_triangles_) boxes.push_back(box_of(old_.positions, old_.triangles[t]));
+  const BoxTree removed(std::move(boxes));
+  std::vector<std::uint8_t> known(triangles_, kUnknownTies);
+  for (std::uint32_t t = 0; t < new_triangles_.size(); ++t) {
+    if (new_triangles_[t] == kNone) continue;
+    const std::uint8_t flags = old_.ties.empty() ? 0 : old_.ties[t];
+    Box box = box_of(old_.positions, old_.triangles[t]);
+    box.lower -= margin_, box.upper += margin_;
+    // What it lay on may be gone.
+    if (flags == 0 || !removed.meets(box)) known[new_triangles_[t]] = flags;
+  }
+  return known;
+}
+
+std::vector<bool> SceneChange::settled(const RayCaster& caster) const {
+  const auto flags = [](const std::vector<std::uint8_t>& ties, std::uint32_t t) {
+    return !ties.empty() && ties[t] != 0;
+  };
+  std::vector<bool> settled(triangles_, false);
+  for (std::uint32_t t = 0; t < new_triangles_.size(); ++t) {
+    const std::uint32_t own = new_triangles_[t];
+    if (own != kNone) settled[own] = flags(old_.ties, t) == flags(caster.ties(), own);
+  }
+  return settled;
+}
+
+std::vector<Box> SceneChange::changed_boxes(const Geometry& geometry, const RayCaster& caster) const {
+  std::vector<Box> boxes;
+  const std::vector<bool> same = settled(caster);
+  for (const std::uint32_t t : new_triangles_) {
+    if (t != kNone && !same[t]) boxes.push_back(box_of(geometry.positions, geometry.triangles[t]));
+  }
+  if (boxes.size() > kMostBoxes) boxes = {BoxTree(boxes).bounds()};
+  if (added_) boxes.push_back(added_bounds_);
+  if (removed_) boxes.push_back(removed_bounds_);
+  for (Box& box : boxes) box.lower -= margin_, box.upper += margin_;
+  return boxes;
 }
 
 bool SceneChange::disturbed(const glm::vec3& position, float reach) const {

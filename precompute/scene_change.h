@@ -20,10 +20,10 @@ namespace relume {
 class SceneChange {
  public:
   /// Borrows the old rows. `keys` of the triangles (geometry_keys.h). Fails (bad_input) when the rows were
-  /// traced with another seed or ray tracer, or in a scene that has nothing in common with this one; `name`
-  /// is used in messages.
+  /// traced with another seed, or in a scene that has nothing in common with this one; `name` is used in
+  /// messages.
   static Result<SceneChange> find(const RowsFile& old, const std::string& name, const Scene& scene,
-                                  const Geometry& geometry, const RayCaster& caster, std::uint64_t seed,
+                                  const Geometry& geometry, std::uint64_t seed,
                                   std::span<const std::uint64_t> keys);
 
   const RowsFile& old() const { return old_; }
@@ -36,6 +36,13 @@ class SceneChange {
   /// Rays among what was added, or taken away; none when nothing was.
   const std::optional<RayCaster>& added() const { return added_; }
   const std::optional<RayCaster>& removed() const { return removed_; }
+  /// Of the triangles of this scene, as RayCaster::create takes them.
+  std::vector<std::uint8_t> known_ties(const Geometry& geometry) const;
+  /// Per triangle of this scene: whether it is as it was, and hits as far away as those on it are settled as
+  /// before.
+  std::vector<bool> settled(const RayCaster& caster) const;
+  /// Outside of these, rays of this scene meet what they met.
+  std::vector<Box> changed_boxes(const Geometry& geometry, const RayCaster& caster) const;
   /// Of what was added, when something was.
   const Box& added_bounds() const { return added_bounds_; }
   /// m: no two places closer than that are told apart.
@@ -58,8 +65,9 @@ class SceneChange {
   std::vector<std::uint32_t> added_triangles_;    ///< of this scene
   std::vector<std::uint32_t> removed_triangles_;  ///< of the old one
   std::optional<RayCaster> added_, removed_;
-  Box added_bounds_;
-  BoxTree boxes_;  ///< of all that changed
+  Box added_bounds_, removed_bounds_;
+  std::size_t triangles_ = 0;  ///< of this scene
+  BoxTree boxes_;              ///< of all that changed
   float margin_ = 0.0f;
   std::unordered_set<std::uint64_t> old_elements_;
 };

@@ -14,6 +14,13 @@ class SenderSet {
 
   void insert(std::uint32_t sender) { words_[sender / 64] |= std::uint64_t{1} << (sender % 64); }
 
+  /// insert() for a loop that calls it often, in which nothing else changes the set.
+  auto inserter() {
+    return [words = words_.data()](std::uint32_t sender) {
+      words[sender / 64] |= std::uint64_t{1} << (sender % 64);
+    };
+  }
+
   std::size_t size() const {
     std::size_t size = 0;
     for (const std::uint64_t word : words_) size += static_cast<std::size_t>(std::popcount(word));

@@ -10,7 +10,6 @@
 #include <span>
 #include <tuple>
 
-#include "core/packed_direction.h"
 #include "core/quantities.h"
 #include "precompute/coarsen_imports.h"
 #include "precompute/node_references.h"
@@ -18,9 +17,10 @@
 namespace relume {
 namespace {
 
-/// Rows that follow each other in a matrix, or their tiles.
+/// Rows that follow each other in a matrix, stored already or not, or their tiles.
 struct RowGroup {
   std::vector<const FormFactorRow*> rows;
+  std::vector<const StoredRow*> stored;
   const std::vector<CutTile>* tiles = nullptr;
 };
 
@@ -41,9 +41,13 @@ SystemRowGroups row_groups(const ModelParts& parts, std::size_t s) {
     groups.sensors.tiles = &tiles.sensors;
     return groups;
   }
-  for (const FormFactorRow& row : parts.rows[s].clusters) groups.clusters.rows.push_back(&row);
+  const SystemRows& rows = parts.rows[s];
+  for (const FormFactorRow& row : rows.clusters) groups.clusters.rows.push_back(&row);
+  for (const StoredRow& row : rows.stored_clusters) groups.clusters.stored.push_back(&row);
   for (const auto e : parts.element_orders[s]) {
-    if (parts.own_elements[s][e]) groups.lumels.rows.push_back(&parts.rows[s].elements[e]);
+    if (!parts.own_elements[s][e]) continue;
+    if (rows.stored_elements.empty()) groups.lumels.rows.push_back(&rows.elements[e]);
+    if (!rows.stored_elements.empty()) groups.lumels.stored.push_back(&rows.stored_elements[e]);
   }
   for (std::size_t i = 0; i < parts.sensors.rows.size(); ++i) {
     if (parts.sensor_systems[i] == s) groups.sensors.rows.push_back(&parts.sensors.rows[i]);
@@ -99,6 +103,11 @@ class ImportTable {
     }
     for (std::size_t sender = 0; sender < seen.size(); ++sender) {
       if (seen[sender] != 0) use(leaves[sender]);
+    }
+  }
+  void use(const RowStore& store, const std::vector<std::uint32_t>& leaves) {
+    for (std::size_t sender = 0; sender < leaves.size(); ++sender) {
+      if (store.seen()[sender] != 0) use(leaves[sender]);
     }
   }
   std::size_t count() const {
@@ -167,19 +176,6 @@ class ImportTable {
   std::vector<std::uint32_t> stands_for_;  ///< per node, empty: each for itself
 };
 
-/// Mean directions of the form factors of rows, row by row; none unless they have moments.
-std::vector<std::uint32_t> packed_directions(std::span<const std::vector<float>> values,
-                                             std::span<const std::vector<glm::vec3>> moments) {
-  std::vector<std::uint32_t> codes;
-  for (std::size_t r = 0; r < moments.size(); ++r) {
-    for (std::size_t i = 0; i < moments[r].size(); ++i) {
-      const double value = values[r][i];
-      codes.push_back(value > 0.0 ? pack_direction(glm::dvec3(moments[r][i]) / value) : 0u);
-    }
-  }
-  return codes;
-}
-
 /// Appends tiles, or rows, to a matrix.
 class Appender {
  public:
@@ -189,7 +185,7 @@ class Appender {
 
   void append(const RowGroup& group) {
     if (group.tiles == nullptr && !imports_.is_coarsened()) {
-      append_rows(group.rows);
+      append_rows(group);
       return;
     }
     visit_tiles(group, leaves_, [&](const CutTile& tile) {
@@ -207,23 +203,28 @@ class Appender {
     imports_.columns(tile, columns_);
     values_.clear();
     for (const auto& row : tile.values) values_.insert(values_.end(), row.begin(), row.end());
-    const std::vector<std::uint32_t> directions = packed_directions(tile.values, tile.moments);
+    directions_.clear();
+    for (std::size_t r = 0; r < tile.moments.size(); ++r)
+      pack_directions(tile.values[r], tile.moments[r], directions_);
     if (shared_) {
-      matrix_.append_tile(columns_, values_, std::uint32_t(tile.values.size()), directions);
+      matrix_.append_tile(columns_, values_, std::uint32_t(tile.values.size()), directions_);
     } else {
-      matrix_.append_row(columns_, values_, directions);
+      matrix_.append_row(columns_, values_, directions_);
     }
   }
 
-  void append_rows(const std::vector<const FormFactorRow*>& rows) {
+  void append_rows(const RowGroup& group) {
     std::vector<std::uint16_t> column_of(leaves_.size());
     for (std::size_t sender = 0; sender < leaves_.size(); ++sender)
       column_of[sender] = std::uint16_t(imports_.column(leaves_[sender]));
-    for (const FormFactorRow* row : rows) {
+    for (const StoredRow* row : group.stored) matrix_.append_stored(*row, column_of);
+    for (const FormFactorRow* row : group.rows) {
       columns_.resize(row->senders.size());
       std::transform(row->senders.begin(), row->senders.end(), columns_.begin(),
                      [&](std::uint32_t sender) { return column_of[sender]; });
-      matrix_.append_row(columns_, row->values, packed_directions({&row->values, 1}, {&row->moments, 1}));
+      directions_.clear();
+      pack_directions(row->values, row->moments, directions_);
+      matrix_.append_row(columns_, row->values, directions_);
     }
   }
 
@@ -234,11 +235,13 @@ class Appender {
   HalvingList& halvings_;  ///< of the matrix; none where rows see coarser nodes than they were cut to
   std::vector<std::uint16_t> columns_;  // their memory serves again
   std::vector<double> values_;
+  std::vector<std::uint32_t> directions_;
 };
 
 std::size_t entry_count(const RowGroup& group) {
   std::size_t entries = 0;
   for (const FormFactorRow* row : group.rows) entries += row->senders.size();
+  for (const StoredRow* row : group.stored) entries += row->columns.size();
   if (group.tiles == nullptr) return entries;
   for (const CutTile& tile : *group.tiles) entries += tile.nodes.size();
   return entries;
@@ -290,11 +293,13 @@ void store_probes(const ModelParts& parts, const std::vector<std::uint32_t>& pro
 }
 
 Result<void> store_system(const ModelParts& parts, ValueCodec codec, const SystemRowGroups& groups,
-                          const std::vector<std::uint32_t>& leaves, NodeReferences& references,
-                          System& system, Model& model, PrecomputeReport& report) {
+                          const std::vector<RowStore>& stores, const std::vector<std::uint32_t>& leaves,
+                          NodeReferences& references, System& system, Model& model,
+                          PrecomputeReport& report) {
   ImportTable imports(parts.senders.tree.nodes.size());
   for (const RowGroup* group : {&groups.clusters, &groups.lumels, &groups.sensors})
     imports.use(*group, leaves);
+  for (const RowStore& store : stores) imports.use(store, leaves);
   for (const auto p : groups.probes) {
     for (const SeenSender& seen : parts.probes.rows[p].senders) imports.use(seen.sender);
   }
@@ -333,7 +338,8 @@ Result<void> store_matrices(const ModelParts& parts, ValueCodec codec, Model& mo
   for (const ProbePoint& point : parts.probes.points) model.probe_names.push_back(point.name);
   for (std::size_t s = 0; s < model.systems.size(); ++s) {
     const SystemRowGroups groups = row_groups(parts, s);
-    if (auto stored = store_system(parts, codec, groups, leaves, references, model.systems[s], model, report);
+    if (auto stored = store_system(parts, codec, groups, parts.rows[s].stores, leaves, references,
+                                   model.systems[s], model, report);
         !stored)
       return stored;
   }

@@ -50,11 +50,16 @@ Result<Projection> project_clusters(const Surfaces& surfaces, std::vector<System
 Result<void> trace_systems(const RowScene& scene, const Surfaces& surfaces,
                            const std::optional<CutSenders>& senders, const RowPlan& plan, RowCounts& counts,
                            const ProgressObserver& observer, TracedRows& rows) {
+  StoreChoice store;
+  if (!senders && sender_count(scene) <= kMaxImports) {
+    store.elements = plan.codec;
+    if (!plan.reciprocal) store.clusters = plan.codec;
+  }
   for (std::size_t s = 0; s < surfaces.systems.size(); ++s) {
     rows.orders.push_back(stored_order(surfaces.systems[s]));
     const TracedSystem system{surfaces.charts, surfaces.systems[s], surfaces.own_elements[s]};
     if (!senders) {
-      auto traced = trace_system(scene, system, plan.lumels, plan.node_quality, counts, observer);
+      auto traced = trace_system(scene, system, plan.lumels, plan.node_quality, counts, observer, {}, store);
       if (!traced) return tl::unexpected(traced.error());
       rows.systems.push_back(std::move(*traced));
       continue;

@@ -19,7 +19,7 @@ constexpr int kInsideRays = 16;
 constexpr std::uint64_t kSeeEachOther = 0x736565ull, kInside = 0x696e73ull;
 
 /// Old answers are looked up by so many bits of their keys, then one by one.
-constexpr unsigned kAnswerBits = 16;
+constexpr unsigned kAnswerBits = 19;
 
 std::uint64_t mix_point(std::uint64_t key, const SurfacePoint& point) {
   const auto pair = [](float a, float b) {

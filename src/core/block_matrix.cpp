@@ -6,18 +6,11 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
-#include <limits>
-#include <numeric>
 
+#include "core/row_encoder.h"
 #include "core/value_codec.h"
 
 namespace relume {
-
-struct BlockMatrixBuilder::EncodedRow {
-  std::vector<std::uint32_t> codes;  ///< one per value; f32: the bits of the float
-  std::vector<double> unscaled;      ///< what the codes stand for
-  float scale = 1.0f;
-};
 
 /// The rows of a tile, encoded, and which of its columns any of them needs.
 struct BlockMatrixBuilder::EncodedTile {
@@ -27,109 +20,7 @@ struct BlockMatrixBuilder::EncodedTile {
 
 namespace {
 
-using EncodedRow = BlockMatrixBuilder::EncodedRow;
 using EncodedTile = BlockMatrixBuilder::EncodedTile;
-
-float round_down_to_float(double value) {
-  const float rounded = static_cast<float>(value);
-  return static_cast<double>(rounded) > value ? std::nextafter(rounded, 0.0f) : rounded;
-}
-
-struct Code {
-  std::uint32_t code;
-  double unscaled;
-};
-
-Code f32_code(double value) {
-  const float stored = static_cast<float>(value);
-  const float kept = stored >= std::numeric_limits<float>::min() ? stored : 0.0f;
-  return {std::bit_cast<std::uint32_t>(kept), kept};
-}
-
-/// The nearest; but only zero becomes zero, so that every sender of a row can be told from its codes.
-Code unorm16_code(double share) {
-  const auto nearest = static_cast<std::uint32_t>(std::lround(share * kUnorm16Max));
-  const std::uint32_t code = share > 0.0 ? std::max(nearest, 1u) : 0;
-  return {code, code / kUnorm16Max};
-}
-
-double square(double value) {
-  return value * value;
-}
-
-/// Of the two codes around `share`, the one that leaves the smaller error of the sum so far: neighbours in a
-/// row make up for each other, where rounding each to the nearest would shift the balance of the row. Zero
-/// stays zero, and nothing else becomes it.
-Code sqrt8_code(double share, double& error) {
-  if (share <= 0.0) return {0, 0.0};
-  const double below = std::floor(std::sqrt(share) * kSqrt8Max);
-  const double above = std::min(below + 1.0, kSqrt8Max);
-  const double error_below = error + square(below / kSqrt8Max) - share;
-  const double error_above = error + square(above / kSqrt8Max) - share;
-  const bool up = below == 0.0 || std::abs(error_above) < std::abs(error_below);
-  error = up ? error_above : error_below;
-  const double code = up ? above : below;
-  return {static_cast<std::uint32_t>(code), square(code / kSqrt8Max)};
-}
-
-/// The larger of the sums of the row decoded in double and in f32.
-double decoded_sum(const EncodedRow& row, float scale) {
-  double in_double = 0.0;
-  double in_float = 0.0;
-  for (const double value : row.unscaled) {
-    in_double += value * scale;
-    in_float += static_cast<float>(value) * scale;
-  }
-  return std::max(in_double, in_float);
-}
-
-/// The largest scale (for f32: at most 1) whose decoded sum stays at or below `target`.
-float repaired_scale(const EncodedRow& row, ValueCodec codec, double target) {
-  const double sum = std::accumulate(row.unscaled.begin(), row.unscaled.end(), 0.0);
-  if (sum <= 0.0) return 1.0f;
-  if (codec == ValueCodec::f32 && decoded_sum(row, 1.0f) <= target) return 1.0f;
-  float scale = round_down_to_float(target / sum);
-  while (scale > 0.0f && decoded_sum(row, scale) > target) scale = std::nextafter(scale, 0.0f);
-  return scale;
-}
-
-void encode_row(std::span<const double> values, ValueCodec codec, EncodedRow& row) {
-  row.codes.resize(values.size());
-  row.unscaled.resize(values.size());
-  const double row_max = values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
-  const bool dark = row_max < std::numeric_limits<float>::min();
-  double error = 0.0, sum = 0.0, sum_of_codes = 0.0;
-  const auto encode_all = [&](auto&& encode) {
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const Code code = encode(values[i]);
-      row.codes[i] = code.code;
-      row.unscaled[i] = code.unscaled;
-      sum += values[i], sum_of_codes += code.unscaled;
-    }
-  };
-  if (dark || codec == ValueCodec::f32) {
-    encode_all([&](double value) { return f32_code(dark ? 0.0 : value); });
-  } else if (codec == ValueCodec::unorm16) {
-    encode_all([&](double value) { return unorm16_code(value / row_max); });
-  } else {
-    encode_all([&](double value) { return sqrt8_code(value / row_max, error); });
-  }
-  const double target = std::min(1.0, sum);
-  // Floats add up in double to the same number, decoded either way.
-  const bool fits = codec == ValueCodec::f32 && sum_of_codes <= target;
-  row.scale = fits ? 1.0f : repaired_scale(row, codec, target);
-}
-
-/// Whether a row of f32 is its own code: nothing vanishes, and its sum needs no repair.
-bool stored_as_they_are(std::span<const float> values) {
-  double sum = 0.0;
-  bool normal = true;
-  for (const float value : values) {
-    sum += double(value);
-    normal = normal && value >= std::numeric_limits<float>::min();
-  }
-  return normal && sum <= 1.0;
-}
 
 void encode_tile(std::size_t row_count, std::size_t column_count, std::span<const double> values,
                  ValueCodec codec, EncodedTile& tile) {
@@ -152,14 +43,6 @@ std::size_t tile_bytes(const EncodedTile& tile, std::uint32_t tile_rows, std::si
 template <class Code>
 void write_codes(const EncodedTile& tile, std::uint32_t tile_rows, std::byte* out) {
   static_assert(std::endian::native == std::endian::little);
-  if (tile_rows == 1) {
-    const std::vector<std::uint32_t>& codes = tile.rows[0].codes;
-    for (std::size_t i = 0; i < tile.entries.size(); ++i) {
-      const auto code = static_cast<Code>(codes[tile.entries[i]]);
-      std::memcpy(out + i * sizeof code, &code, sizeof code);
-    }
-    return;
-  }
   for (const std::uint32_t entry : tile.entries) {
     for (std::size_t lane = 0; lane < tile.rows.size(); ++lane) {
       const auto code = static_cast<Code>(tile.rows[lane].codes[entry]);
@@ -228,6 +111,7 @@ BlockMatrixBuilder::BlockMatrixBuilder(std::uint32_t columns, ValueCodec codec, 
     : codec_(codec),
       max_block_bytes_(max_block_bytes),
       entries_(entries),
+      encoder_(std::make_unique<RowEncoder>()),
       tile_(std::make_unique<EncodedTile>()) {
   matrix_.columns = columns;
 }
@@ -236,42 +120,39 @@ BlockMatrixBuilder::~BlockMatrixBuilder() = default;
 
 void BlockMatrixBuilder::append_row(std::span<const std::uint16_t> columns, std::span<const double> values,
                                     std::span<const std::uint32_t> directions) {
-  append(columns, values, directions, 1, 1);
+  append_stored(encoder_->encode(codec_, columns, values, directions));
 }
 
 void BlockMatrixBuilder::append_row(std::span<const std::uint16_t> columns, std::span<const float> values,
                                     std::span<const std::uint32_t> directions) {
-  if (codec_ != ValueCodec::f32 || !directions.empty() || !stored_as_they_are(values)) {
-    values_.assign(values.begin(), values.end());
-    append_row(columns, values_, directions);
-    return;
+  append_stored(encoder_->encode(codec_, columns, values, directions));
+}
+
+void BlockMatrixBuilder::append_stored(const StoredRow& row, std::span<const std::uint16_t> column_of) {
+  MatrixBlock& block = block_for(1, sizeof(std::uint32_t) + sizeof(float) + row.columns.size_bytes() +
+                                        row.values.size_bytes() + row.directions.size_bytes());
+  const std::size_t end = block.columns.size();
+  block.columns.insert(block.columns.end(), row.columns.begin(), row.columns.end());
+  if (!column_of.empty()) {
+    for (std::size_t i = end; i < block.columns.size(); ++i) block.columns[i] = column_of[block.columns[i]];
   }
-  const std::size_t bytes =
-      sizeof(std::uint32_t) + sizeof(float) + values.size() * (sizeof(std::uint16_t) + value_bytes(codec_));
-  MatrixBlock& block = block_for(1, bytes);
-  const auto coded = std::as_bytes(values);
-  block.columns.insert(block.columns.end(), columns.begin(), columns.end());
-  block.values.insert(block.values.end(), coded.begin(), coded.end());
+  block.values.insert(block.values.end(), row.values.begin(), row.values.end());
+  block.directions.insert(block.directions.end(), row.directions.begin(), row.directions.end());
   block.tile_offsets.push_back(static_cast<std::uint32_t>(block.columns.size()));
-  block.row_scales.push_back(1.0f);
+  block.row_scales.push_back(row.scale);
   ++block.row_count, ++matrix_.rows;
 }
 
 void BlockMatrixBuilder::append_tile(std::span<const std::uint16_t> columns, std::span<const double> values,
                                      std::uint32_t row_count, std::span<const std::uint32_t> directions) {
-  append(columns, values, directions, row_count, 8);
-}
-
-void BlockMatrixBuilder::append(std::span<const std::uint16_t> columns, std::span<const double> values,
-                                std::span<const std::uint32_t> directions, std::uint32_t row_count,
-                                std::uint32_t tile_rows) {
+  constexpr std::uint32_t kTileRows = 8;
   assert(directions.empty() || directions.size() == values.size());
-  assert(columns.size() * row_count == values.size() && row_count >= 1 && row_count <= tile_rows);
+  assert(columns.size() * row_count == values.size() && row_count >= 1 && row_count <= kTileRows);
   EncodedTile& tile = *tile_;
   encode_tile(row_count, columns.size(), values, codec_, tile);
   const std::size_t bytes_of_direction = directions.empty() ? 0 : sizeof(std::uint32_t);
   MatrixBlock& block =
-      block_for(tile_rows, tile_bytes(tile, tile_rows, value_bytes(codec_) + bytes_of_direction));
+      block_for(kTileRows, tile_bytes(tile, kTileRows, value_bytes(codec_) + bytes_of_direction));
   const std::size_t end = block.columns.size();
   block.columns.resize(end + tile.entries.size());
   for (std::size_t i = 0; i < tile.entries.size(); ++i) block.columns[end + i] = columns[tile.entries[i]];

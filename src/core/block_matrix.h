@@ -79,6 +79,16 @@ struct MatrixSummary {
 /// Bytes of the arrays of a block.
 std::size_t block_bytes(const MatrixBlock& block);
 
+/// A row as a block stores it (R = 1): all of its values differ from zero.
+struct StoredRow {
+  std::span<const std::uint16_t> columns;
+  std::span<const std::byte> values;  ///< codes
+  std::span<const std::uint32_t> directions;
+  float scale = 1.0f;
+};
+
+class RowEncoder;
+
 /// Appends rows and tiles one by one and cuts blocks at `max_block_bytes`, where R changes, and after a tile
 /// that is partly empty. Codes of sqrt8 are chosen so that errors of neighbouring columns make up for each
 /// other: best when columns that follow each other stand for senders that lie side by side.
@@ -103,14 +113,15 @@ class BlockMatrixBuilder {
   void append_tile(std::span<const std::uint16_t> columns, std::span<const double> values,
                    std::uint32_t row_count, std::span<const std::uint32_t> directions = {});
 
+  /// A row that was encoded before (core/row_encoder.h), with the codec of the matrix. `column_of`, if it is
+  /// not empty: the columns that stand for its own.
+  void append_stored(const StoredRow& row, std::span<const std::uint16_t> column_of = {});
+
   BlockMatrix finish() &&;
 
-  struct EncodedRow;
   struct EncodedTile;
 
  private:
-  void append(std::span<const std::uint16_t> columns, std::span<const double> values,
-              std::span<const std::uint32_t> directions, std::uint32_t row_count, std::uint32_t tile_rows);
   /// The last block, or a new one, so that a tile of so many bytes may follow.
   MatrixBlock& block_for(std::uint32_t tile_rows, std::size_t bytes);
   bool fits(std::uint32_t tile_rows, std::size_t bytes) const;
@@ -118,9 +129,9 @@ class BlockMatrixBuilder {
   BlockMatrix matrix_;
   ValueCodec codec_;
   std::size_t max_block_bytes_;
-  std::size_t entries_;                ///< that are still expected
-  std::vector<double> values_;         ///< its memory serves again
-  std::unique_ptr<EncodedTile> tile_;  ///< its memory serves again
+  std::size_t entries_;                  ///< that are still expected
+  std::unique_ptr<RowEncoder> encoder_;  ///< its memory serves again
+  std::unique_ptr<EncodedTile> tile_;    ///< its memory serves again
 };
 
 /// The decoded view of any block format (R = 1 and 8, all codecs). Entries of a tile that are zero for a row

@@ -24,14 +24,6 @@ std::uint64_t checksum_of(std::span<const std::byte> bytes) {
   return XXH3_64bits(bytes.data(), bytes.size());
 }
 
-std::uint64_t checksum_of(std::span<const std::span<const std::byte>> parts) {
-  if (parts.size() == 1) return checksum_of(parts[0]);
-  XXH3_state_t state;
-  XXH3_64bits_reset(&state);
-  for (const auto part : parts) XXH3_64bits_update(&state, part.data(), part.size());
-  return XXH3_64bits_digest(&state);
-}
-
 /// Checksum of header (its checksum field zero) and table.
 std::uint64_t table_checksum(FileHeader header, std::span<const SectionRecord> records) {
   header.checksum = 0;
@@ -115,6 +107,14 @@ Result<void> check_padding(std::span<const std::byte> bytes, std::uint64_t begin
 
 }  // namespace
 
+std::uint64_t checksum_of(std::span<const std::span<const std::byte>> parts) {
+  if (parts.size() == 1) return checksum_of(parts[0]);
+  XXH3_state_t state;
+  XXH3_64bits_reset(&state);
+  for (const auto part : parts) XXH3_64bits_update(&state, part.data(), part.size());
+  return XXH3_64bits_digest(&state);
+}
+
 std::string describe(const SectionRecord& record) {
   std::string id;
   for (const char letter : record.id) id += letter >= ' ' && letter <= '~' ? letter : '?';
@@ -135,7 +135,8 @@ void SectionWriter::add(std::string_view id, std::uint32_t owner, std::vector<st
 }
 
 void SectionWriter::borrow(std::string_view id, std::uint32_t owner,
-                           std::span<const std::span<const std::byte>> parts, std::uint32_t flags) {
+                           std::span<const std::span<const std::byte>> parts, std::uint32_t flags,
+                           std::optional<std::uint64_t> checksum) {
   static constexpr std::array<std::byte, kSectionAlignment> kPadding{};
   SectionRecord record;
   assert(id.size() == record.id.size());
@@ -143,7 +144,7 @@ void SectionWriter::borrow(std::string_view id, std::uint32_t owner,
   record.owner = owner, record.flags = flags;
   for (const auto part : parts) record.length += part.size();
   if (record.length == 0) return;
-  record.checksum = checksum_of(parts);
+  record.checksum = checksum ? *checksum : checksum_of(parts);
   record.offset = align_up(end_);
   if (record.offset > end_) file_.parts.push_back(std::span(kPadding).first(record.offset - end_));
   file_.parts.insert(file_.parts.end(), parts.begin(), parts.end());

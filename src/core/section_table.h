@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -55,6 +56,9 @@ struct Section {
 /// "'CLUS' of system 0 at byte 4096", for messages.
 std::string describe(const SectionRecord& record);
 
+/// Of a section of parts that follow each other.
+std::uint64_t checksum_of(std::span<const std::span<const std::byte>> parts);
+
 /// Collects sections and lays out the file. Empty sections are left out.
 class SectionWriter {
  public:
@@ -63,9 +67,10 @@ class SectionWriter {
            std::uint32_t flags = 0);
   void add(std::string_view id, std::uint32_t owner, std::vector<std::byte> bytes, std::uint32_t flags = 0);
 
-  /// One section of parts that follow each other. They are borrowed until the file is written.
+  /// One section of parts that follow each other. They are borrowed until the file is written. `checksum` of
+  /// them, where it is known.
   void borrow(std::string_view id, std::uint32_t owner, std::span<const std::span<const std::byte>> parts,
-              std::uint32_t flags = 0);
+              std::uint32_t flags = 0, std::optional<std::uint64_t> checksum = {});
 
   template <class T>
   void borrow_array(std::string_view id, std::uint32_t owner, const std::vector<T>& values,

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/model_file.h"
+#include "core/model.h"
 #include "precompute/precompute.h"
 #include "precompute/row_plan.h"
 #include "precompute/rows_file.h"
@@ -64,9 +64,7 @@ PrecomputeOptions options_of(const Model& model, const Scene& scene) {
 
 Result<Model> full_rows(const fs::path& rows, const Model& model, const std::optional<fs::path>& scene,
                         Console& console) {
-  auto bytes = read_file(rows);
-  if (!bytes) return tl::unexpected(bytes.error());
-  const auto rays = decode_rows(std::move(*bytes), rows.string());
+  const auto rays = read_rows(rows);
   if (!rays) return tl::unexpected(rays.error());
   const auto file = scene_of(rows, model, scene);
   if (!file) return tl::unexpected(file.error());

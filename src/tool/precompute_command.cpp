@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <future>
 
 #include "core/model_file.h"
 #include "precompute/process_memory.h"
@@ -139,13 +140,16 @@ std::filesystem::path rows_of(std::filesystem::path model) {
   return model += ".rows";
 }
 
+/// Whether what can be done beside other work may have a thread of its own.
+std::launch policy_of(const PrecomputeArguments& arguments) {
+  return arguments.options.threads == 1 ? std::launch::deferred : std::launch::async;
+}
+
 /// The rows of the model that is to be updated.
 Result<std::optional<RowsFile>> read_old_rows(const PrecomputeArguments& arguments) {
   if (!arguments.update) return std::optional<RowsFile>();
   const std::filesystem::path file = rows_of(*arguments.update);
-  auto bytes = read_file(file);
-  if (!bytes) return tl::unexpected(bytes.error());
-  auto rows = decode_rows(std::move(*bytes), file.string());
+  auto rows = read_rows(file);
   if (!rows) return tl::unexpected(rows.error());
   return std::optional<RowsFile>(std::move(*rows));
 }
@@ -176,11 +180,12 @@ Result<Input> read_input(const PrecomputeArguments& arguments, Console& console)
   }
   if (const auto chosen = choose_probes(arguments.probes, input.options); !chosen)
     return tl::unexpected(chosen.error());
-  auto old_rows = read_old_rows(arguments);
+  auto reading = std::async(policy_of(arguments), [&] { return read_old_rows(arguments); });
+  Result<Scene> scene = load_scene(arguments.scene);
+  auto old_rows = reading.get();
   if (!old_rows) return tl::unexpected(old_rows.error());
   input.old_rows = std::move(*old_rows);
   if (arguments.update) input.options.old_rows_name = rows_of(*arguments.update).string();
-  Result<Scene> scene = load_scene(arguments.scene);
   if (!scene) return tl::unexpected(scene.error());
   for (const std::string& warning : scene->warnings) console.warn(warning);
   input.scene = std::move(*scene);
@@ -226,11 +231,13 @@ Result<PrecomputedFile> precompute_to_file(const PrecomputeArguments& arguments,
   if (const Result<void> still = check_interrupted(); !still) return tl::unexpected(still.error());
   if (go_on && !go_on()) return fail(ErrorCode::cancelled, "stopped before the file was written");
   let_finish();
-  if (const Result<void> written = write_model(*model, arguments.output); !written)
-    return tl::unexpected(written.error());
-  if (input->options.keep_rows) {
-    if (const Result<void> written = write_parts(rows_of(arguments.output), file.report.rows.parts); !written)
-      return tl::unexpected(written.error());
+  auto writing = std::async(policy_of(arguments), [&] {
+    return input->options.keep_rows ? write_parts(rows_of(arguments.output), file.report.rows.parts)
+                                    : Result<void>();
+  });
+  const Result<void> written = write_model(*model, arguments.output), rows_written = writing.get();
+  for (const Result<void>* done : {&written, &rows_written}) {
+    if (!*done) return tl::unexpected(done->error());
   }
   file.model = std::move(*model);
   file.bytes = std::filesystem::file_size(arguments.output);

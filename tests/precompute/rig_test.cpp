@@ -16,7 +16,7 @@ Model lit(const Scene& scene, std::vector<std::string>& warnings) {
   const Geometry geometry = make_geometry(scene);
   const auto caster = make_caster(geometry);
   Model model;
-  light_model(scene, geometry, *caster, model, warnings);
+  light_model(scene, geometry, *caster, nullptr, model, warnings);
   return model;
 }
 

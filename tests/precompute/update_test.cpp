@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <optional>
 
 #include "core/model_file.h"
 #include "precompute/precompute.h"
@@ -16,9 +17,10 @@ using P = glm::dvec3;
 
 /// What differs between the scenes of these tests.
 struct Room {
-  P box{1.03, 0.0, 0.57};  ///< lower corner of a cabinet
-  bool stool = false;      ///< one more thing, before all others
-  bool pane = true;        ///< a see-through pane and a grid
+  P box{1.03, 0.0, 0.57};     ///< lower corner of a cabinet
+  bool stool = false;         ///< one more thing, before all others
+  bool pane = true;           ///< a see-through pane and a grid
+  std::optional<double> rug;  ///< x of one that lies in the plane of the floor
   P lamp{2.0, 1.8, 1.0};
   Rgb wall{0.6}, shine{50.0};
 };
@@ -46,6 +48,10 @@ Scene scene_of(const Room& room) {
                {P(3.0, 0.1, 2.4), P(3.9, 0.1, 2.6), P(3.9, 1.1, 2.6), P(3.0, 1.1, 2.4)});
     map_last_quad(b, 3, 3);
   }
+  if (room.rug) {
+    const P r(*room.rug, 0.0, 1.9);
+    b.add_quad("rug", wall, {r, r + P(0, 0, 0.7), r + P(1.1, 0, 0.7), r + P(1.1, 0, 0)});
+  }
   const P l = room.lamp;
   b.add_quad("lamp", lamp, {l, l + P(0.4, 0, 0), l + P(0.4, 0, 0.3), l + P(0, 0, 0.3)});
   return b.scene();
@@ -60,6 +66,12 @@ PrecomputeOptions plain_options() {
   options.sensors = {{"a", {2.0, 0.0, 0.3}, {0, 1, 0}}, {"b", {2.1, 1.0, 2.0}, {0, -1, 0}}};
   options.sensor_quality = 256;
   options.probe_spacing = 1.0;
+  return options;
+}
+
+PrecomputeOptions few_rays() {
+  PrecomputeOptions options = plain_options();
+  options.quality = 8, options.sensor_quality = 64, options.probe_spacing = 0.0;
   return options;
 }
 
@@ -142,6 +154,26 @@ TEST(UpdateOf, PanesAndLampsThatMoveIsACleanBuild) {
   expect_clean(without_panes, Room(), plain_options);
   moved_lamp.lamp += P(0.5, -0.3, 0.4);
   expect_clean(Room(), moved_lamp, plain_options);
+}
+
+TEST(UpdateOf, WhatLiesInOnePlaneWithOthersIsACleanBuild) {
+  Room without, here, there;
+  here.rug = 0.31, there.rug = 1.93;
+  expect_clean(here, there, few_rays);
+  expect_clean(without, here, few_rays);
+  expect_clean(here, without, few_rays);
+}
+
+TEST(UpdateOf, ASceneThatTheRigLightsIsACleanBuild) {
+  Room before, after;
+  before.shine = after.shine = Rgb(0.0);
+  after.box += P(0.31, 0.0, 0.17);
+  const Built updated = expect_clean(before, after, few_rays);
+  const RowsFile rows = updated.file();
+  EXPECT_GT(rows.look_grid.points(), 0u);
+  EXPECT_EQ(rows.looks.size(), rows.look_grid.points());
+  after.stool = true;  // the room stays as large
+  expect_clean(after, before, few_rays);
 }
 
 TEST(UpdateOf, ColoursAndLightsTracesNothing) {
