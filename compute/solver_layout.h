@@ -22,6 +22,7 @@ struct LayoutLimits {
   VkDeviceSize max_range = VkDeviceSize{128} << 20;  ///< maxStorageBufferRange
   VkDeviceSize alignment = 256;                      ///< of storage and texel buffer offsets, a power of two
   bool half_senders = false;                         ///< imports are kept in half precision
+  std::uint32_t lightings = 1;                       ///< SolverOptions::lightings
 };
 
 /// Buffers of the whole solve. The first ones are the bindings of kSolveSet, in their order.
@@ -75,6 +76,13 @@ struct ProbeBlockLayout {
   std::uint32_t first_buffer = 0;  ///< of the system: its kProbeLists
 };
 
+/// What each lighting has of its own in a buffer: planes of equal size, one lighting after the other, aligned
+/// so that each can be bound. (The local radiosity has those of a sender side by side, and is no such.)
+struct LightingPlane {
+  VkDeviceSize byte_size = 0;  ///< what is used of it
+  VkDeviceSize step = 0;       ///< bytes from one lighting to the next
+};
+
 struct SystemLayout {
   std::uint32_t clusters = 0;
   std::uint32_t nodes = 0;
@@ -84,13 +92,13 @@ struct SystemLayout {
   std::uint32_t gather_rows = 0;
   bool directional = false;   ///< the gather matrix has directions
   bool half_senders = false;  ///< see LayoutLimits
+  std::uint32_t lightings = 1;
+  LightingPlane clusters_plane;    ///< of exitance and direct
+  LightingPlane irradiance_plane;  ///< irradiance per gather row, then three moments per gather row
   std::vector<BufferRequirement> buffers;
   std::vector<BlockLayout> bounce;
   std::vector<BlockLayout> gather;
   std::vector<ProbeBlockLayout> probes;
-
-  /// Of the irradiance buffer: irradiance per gather row, then three moments per gather row.
-  VkDeviceSize irradiance_bytes() const;
 
   /// Of one half of its radiosity.
   std::uint32_t senders() const { return clusters + nodes; }
@@ -103,10 +111,16 @@ struct SolverLayout {
   std::uint32_t sky_node_leaves = 0;  ///< of all nodes together
   std::uint32_t probes = 0;           ///< of all systems
   std::uint32_t sender_capacity = 0;  ///< senders of all systems that are loaded at a time, in one half
+  std::uint32_t lightings = 1;
+  LightingPlane radiosity_plane;
+  LightingPlane probes_plane;
   std::vector<BufferRequirement> buffers;
 
-  /// The sky comes first in the radiosity buffer, then room for two halves of every sender.
+  /// The sky comes first in a plane of the radiosity buffer, then room for two halves of every sender.
   std::uint32_t sky_senders() const { return sky_patches + sky_nodes; }
+
+  /// Of the records of all lightings: per system, lighting after lighting.
+  VkDeviceSize residual_bytes() const;
 };
 
 /// Bytes of an RGB quantity per element on the device (vec4).
@@ -117,10 +131,6 @@ inline constexpr VkDeviceSize kHalfRgbBytes = 8;
 
 /// Bytes of the moments of a gather row.
 inline constexpr VkDeviceSize kMomentBytes = 3 * kRgbBytes;
-
-inline VkDeviceSize SystemLayout::irradiance_bytes() const {
-  return gather_rows * (kRgbBytes + (directional ? kMomentBytes : 0));
-}
 
 /// Bytes of the coefficients of a probe.
 inline constexpr VkDeviceSize kProbeBytes = kernels::kProbeHarmonics * kRgbBytes;

@@ -6,6 +6,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "include/fetch.glsl"
+#include "include/lightings.glsl"
 #include "include/radiosity.glsl"
 #include "include/range.glsl"
 #include "include/sender_format.glsl"
@@ -26,11 +27,12 @@ layout(set = kSystemSet, binding = kLocalRadiosityBinding, std430) writeonly res
 layout(set = kSolveSet, binding = kRadiosityTexelsBinding) uniform samplerBuffer radiosity_texels;
 layout(set = kSystemSet, binding = kImportTexelsBinding) uniform usamplerBuffer import_texels;
 
-vec3 radiosity_of(uint system, uint sender) {
+vec3 radiosity_of(uint lighting, uint system, uint sender) {
   const uint first = first_sender_of[system];
   if (first == kNotLoaded) return vec3(0.0);
-  if (kFetch == kFetchTexels) return texelFetch(radiosity_texels, int(first + sender)).rgb;
-  return radiosity[first + sender].rgb;
+  const uint index = first_of_lighting(lighting, radiosity.length()) + first + sender;
+  if (kFetch == kFetchTexels) return texelFetch(radiosity_texels, int(index)).rgb;
+  return radiosity[index].rgb;
 }
 
 uvec4 import_record(uint index) {
@@ -38,11 +40,11 @@ uvec4 import_record(uint index) {
   return imports[index];
 }
 
-vec3 mean_of_parts(uvec4 node) {
+vec3 mean_of_parts(uint lighting, uvec4 node) {
   precise vec3 sum = vec3(0.0);
   for (uint k = 0u; k < node.z; ++k) {
     const uvec4 part = import_record(node.x + k);
-    precise vec3 term = uintBitsToFloat(part.z) * radiosity_of(part.x, part.y);
+    precise vec3 term = uintBitsToFloat(part.z) * radiosity_of(lighting, part.x, part.y);
     sum = sum + term;
   }
   return sum;
@@ -66,6 +68,10 @@ void main() {
   const uint step_size = gl_NumWorkGroups.x * kWorkgroupSize;
   for (uint index = gl_GlobalInvocationID.x; index < range.count; index += step_size) {
     const uvec4 sender = import_record(index);
-    keep_radiosity(index, sender.z == 0u ? radiosity_of(sender.x, sender.y) : mean_of_parts(sender));
+    for (uint lighting = 0u; lighting < kLightings; ++lighting) {
+      keep_radiosity(index * kLightings + lighting, sender.z == 0u
+                                                        ? radiosity_of(lighting, sender.x, sender.y)
+                                                        : mean_of_parts(lighting, sender));
+    }
   }
 }

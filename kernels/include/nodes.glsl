@@ -6,6 +6,7 @@
 #define RELUME_NODES_GLSL
 
 #include "fetch.glsl"
+#include "lightings.glsl"
 #include "radiosity.glsl"
 #include "range.glsl"
 
@@ -28,6 +29,11 @@ float share_of(uint index) {
   return shares[index];
 }
 
+/// Of the lighting of the workgroup.
+uint own_first_sender() {
+  return first_of_lighting(gl_WorkGroupID.z, radiosity.length()) + range.first_sender;
+}
+
 /// What lane `lane` of a node has of it: 0 without leaves. Radiosity comes from the storage buffer, because nodes of
 /// several systems are written to it side by side, and validation takes a view of all of it for a hazard. The test comes last because lavapipe does the body of a
 /// loop once more when it is first.
@@ -36,7 +42,7 @@ vec3 lane_of_node(uvec4 node, uint lane) {
   uint i = lane;
   if (i >= node.y) return sum;
   do {
-    precise vec3 term = share_of(node.z + i) * radiosity[range.first_sender + node.x + i].rgb;
+    precise vec3 term = share_of(node.z + i) * radiosity[own_first_sender() + node.x + i].rgb;
     sum = sum + term;
     i += kLanes;
   } while (i < node.y);
@@ -44,7 +50,7 @@ vec3 lane_of_node(uvec4 node, uint lane) {
 }
 
 void write_node(uint index, vec3 mean) {
-  radiosity[range.first_sender + range.block_row + index] = vec4(mean, 0.0);
+  radiosity[own_first_sender() + range.block_row + index] = vec4(mean, 0.0);
 }
 
 #endif

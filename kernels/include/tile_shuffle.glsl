@@ -10,11 +10,16 @@ void main() {
   const uint index = first_row_of_workgroup() + first_of_lanes();
   const uint tile = (range.first_row + index) / kTileOfRows;
 
-  precise vec3 sums[kTileOfRows];
-  for (uint row = 0u; row < kTileOfRows; ++row) sums[row] = vec3(0.0);
+  precise mat4x3 sums[kTileOfRows];
+  for (uint row = 0u; row < kTileOfRows; ++row) sums[row] = mat4x3(0.0);
   if (index < range.count) add_tile_lane(sums, tile, lane);
-  const vec3 sum = sum_of_lanes(sums, lane);
+  mat4x3 product = mat4x3(0.0);
+  for (uint lighting = 0u; lighting < kLightings; ++lighting) {
+    vec3 of_lighting[kTileOfRows];
+    for (uint row = 0u; row < kTileOfRows; ++row) of_lighting[row] = sums[row][lighting];
+    product[lighting] = sum_of_lanes(of_lighting, lane);
+  }
   if (index + lane >= range.count) return;
   const uint row = range.first_row + index + lane;
-  finish_row(row, scaled(row, sum));
+  finish_row(row, scaled(row, product));
 }

@@ -117,6 +117,9 @@ const uint kTileRowsConstant = 2u;
 const uint kHalfSendersConstant = 3u;
 const uint kSenderScaleConstant = 4u;
 
+/// Specialization constant: lightings at once, 1 to kMaxLightings (include/lightings.glsl).
+const uint kLightingsConstant = 5u;
+
 RELUME_SHARED_END
 
 #endif

@@ -15,10 +15,11 @@ struct Range {
                    // correct_rooms: bits of the largest radiosity
   uint count;  // rows, imports, clusters or nodes; restrict_rooms: number of the system; solve_rooms: number
                // of systems
-  uint block_row;  // row of the matrix that is row 0 of the block; nodes: number of leaves; residual: number
+  uint block_row;  // row of the matrix that is row 0 of the block; directions: the first moment of that row
+                   // among the elements of a lighting; nodes: number of leaves; residual: number
                    // of the system; restrict_rooms: its first segment; solve_rooms: number of rooms;
                    // correct_rooms: cluster of all systems that is its cluster 0
-  uint first_sender;  // sender 0 of the system in the half that is written; residual: in the half that
+  uint first_sender;  // sender 0 of the system in the half that is written, as all senders here of lighting 0; residual: in the half that
                       // counts; directions: number of rows of the block
   // ---- 16 bytes
 };
