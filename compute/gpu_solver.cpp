@@ -89,7 +89,6 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
   if (!pipelines) return tl::unexpected<Error>(pipelines.error());
   std::vector<DispatchStep> sky_nodes =
       plan_nodes(model.sky_tree, layout->sky_patches, RowKernel::row_per_8_lanes, MatrixFetch::storage);
-  spread_over_lightings(sky_nodes, options.lightings);
   if (!sky_nodes.empty()) {
     if (auto added = pipelines->add(KernelId::nodes, {}); !added) return tl::unexpected<Error>(added.error());
   }

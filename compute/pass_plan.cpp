@@ -162,7 +162,7 @@ SystemDispatches plan_dispatches(const System& system, const SystemLayout& layou
   set(StepKernel::import_radiosity,
       plan_elements(layout.imports, layout.imports + layout.import_parts, fetch));
   set(StepKernel::bounce, plan_rows(system.bounce, row_kernel, fetch, most));
-  set_layers(StepKernel::nodes, plan_nodes(system.tree, layout.clusters, row_kernel, fetch));
+  set(StepKernel::nodes, plan_nodes(system.tree, layout.clusters, row_kernel, fetch));
   set_layers(StepKernel::residual, plan_elements(layout.clusters, layout.clusters, fetch));
   set(StepKernel::gather, plan_rows(system.gather, row_kernel, fetch, most));
   set_layers(StepKernel::directions, plan_directions(system.gather, layout.gather_rows, fetch, most));

@@ -3,6 +3,7 @@
 
 #include <bit>
 
+#include "kernels/shared/limits.h"
 #include "kernels/shared/records.h"
 
 namespace relume {
@@ -11,6 +12,8 @@ namespace {
 static_assert(static_cast<kernels::uint>(ValueCodec::f32) == kernels::kCodecF32);
 static_assert(static_cast<kernels::uint>(ValueCodec::unorm16) == kernels::kCodecUnorm16);
 static_assert(static_cast<kernels::uint>(ValueCodec::sqrt8) == kernels::kCodecSqrt8);
+
+static_assert(kMaxLightings == kernels::kMaxLightings);
 
 static_assert(static_cast<kernels::uint>(MatrixFetch::storage) == kernels::kFetchStorage);
 static_assert(static_cast<kernels::uint>(MatrixFetch::texels) == kernels::kFetchTexels);

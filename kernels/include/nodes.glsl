@@ -29,28 +29,31 @@ float share_of(uint index) {
   return shares[index];
 }
 
-/// Of the lighting of the workgroup.
-uint own_first_sender() {
-  return first_of_lighting(gl_WorkGroupID.z, radiosity.length()) + range.first_sender;
+uint first_sender(uint lighting) {
+  return first_of_lighting(lighting, radiosity.length()) + range.first_sender;
 }
 
 /// What lane `lane` of a node has of it: 0 without leaves. Radiosity comes from the storage buffer, because nodes of
 /// several systems are written to it side by side, and validation takes a view of all of it for a hazard. The test comes last because lavapipe does the body of a
 /// loop once more when it is first.
-vec3 lane_of_node(uvec4 node, uint lane) {
-  precise vec3 sum = vec3(0.0);
+mat4x3 lane_of_node(uvec4 node, uint lane) {
+  precise mat4x3 sum = mat4x3(0.0);
   uint i = lane;
   if (i >= node.y) return sum;
   do {
-    precise vec3 term = share_of(node.z + i) * radiosity[own_first_sender() + node.x + i].rgb;
-    sum = sum + term;
+    const float share = share_of(node.z + i);
+    for (uint lighting = 0u; lighting < kLightings; ++lighting) {
+      precise vec3 term = share * radiosity[first_sender(lighting) + node.x + i].rgb;
+      sum[lighting] = sum[lighting] + term;
+    }
     i += kLanes;
   } while (i < node.y);
   return sum;
 }
 
-void write_node(uint index, vec3 mean) {
-  radiosity[own_first_sender() + range.block_row + index] = vec4(mean, 0.0);
+void write_node(uint index, mat4x3 mean) {
+  for (uint lighting = 0u; lighting < kLightings; ++lighting)
+    radiosity[first_sender(lighting) + range.block_row + index] = vec4(mean[lighting], 0.0);
 }
 
 #endif

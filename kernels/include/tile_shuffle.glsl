@@ -13,13 +13,8 @@ void main() {
   precise mat4x3 sums[kTileOfRows];
   for (uint row = 0u; row < kTileOfRows; ++row) sums[row] = mat4x3(0.0);
   if (index < range.count) add_tile_lane(sums, tile, lane);
-  mat4x3 product = mat4x3(0.0);
-  for (uint lighting = 0u; lighting < kLightings; ++lighting) {
-    vec3 of_lighting[kTileOfRows];
-    for (uint row = 0u; row < kTileOfRows; ++row) of_lighting[row] = sums[row][lighting];
-    product[lighting] = sum_of_lanes(of_lighting, lane);
-  }
+  const mat4x3 sum = sums_of_lanes(sums, lane);
   if (index + lane >= range.count) return;
   const uint row = range.first_row + index + lane;
-  finish_row(row, scaled(row, product));
+  finish_row(row, scaled(row, sum));
 }

@@ -70,13 +70,18 @@ void expect_same_bits(const Answer& found, const Answer& alone, const std::strin
   EXPECT_TRUE(found.probes == alone.probes) << "probes, " << where;
 }
 
-/// Each of `lightings` alone, by the kernel that `options` name.
+/// Each of `lightings` alone, one after the other.
 std::vector<Answer> solve_alone(StandaloneDevice& device, const Model& model,
                                 std::span<const Lighting> lightings, const SolverOptions& options,
                                 const PassWishes& wishes, const Prepare& prepare = {}) {
+  auto session = SolverSession::create(device, model, options, {});
+  EXPECT_TRUE(session) << session.error().message;
+  if (prepare) prepare(*session);
   std::vector<Answer> alone;
-  for (const Lighting& lighting : lightings)
-    alone.push_back(solve(device, model, {&lighting, 1}, options, wishes, prepare).front());
+  for (const Lighting& lighting : lightings) {
+    EXPECT_TRUE(session->light(lighting, {}) && session->run(wishes));
+    alone.push_back(answer_of(*session, 0));
+  }
   return alone;
 }
 
