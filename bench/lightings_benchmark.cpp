@@ -35,23 +35,20 @@ Lighting lighting_number(const Lighting& base, std::uint32_t number) {
   return lighting;
 }
 
-/// What the device makes of it alone.
-Result<std::vector<Rgb>> irradiance_of(SolverSession& session, std::uint32_t lighting) {
-  if (auto ran = session.run({.restart = true, .bounces = 2, .gather = true}); !ran)
-    return tl::unexpected(ran.error());
-  return session.read_irradiance(lighting);
-}
-
-/// Every lighting of `many` has the bits that `alone` gives it, whose own are checked.
+/// Every lighting of `many` has the bits that `alone` gives it, whose own were checked.
 Result<void> check(Candidate& alone, Candidate& many, const Lighting& base) {
+  constexpr PassWishes kWishes{.restart = true, .bounces = 2, .gather = true};
   for (std::uint32_t i = 0; i < many.lightings; ++i) {
     if (auto lit = many.session.light(lighting_number(base, i), {}, i); !lit) return lit;
   }
+  if (auto ran = many.session.run(kWishes); !ran) return tl::unexpected(ran.error());
   for (std::uint32_t i = 0; i < many.lightings; ++i) {
-    if (auto lit = alone.session.light(lighting_number(base, i), {}); !lit) return lit;
-    const auto expected = irradiance_of(alone.session, 0), found = irradiance_of(many.session, i);
-    if (!expected) return tl::unexpected(expected.error());
+    const auto found = many.session.read_irradiance(i);
     if (!found) return tl::unexpected(found.error());
+    if (auto lit = alone.session.light(lighting_number(base, i), {}); !lit) return lit;
+    if (auto ran = alone.session.run(kWishes); !ran) return tl::unexpected(ran.error());
+    const auto expected = alone.session.read_irradiance();
+    if (!expected) return tl::unexpected(expected.error());
     if (*found != *expected)
       return fail(ErrorCode::check_failed,
                   fmt::format("lighting {} of {} is not what it is alone", i, many.lightings));
