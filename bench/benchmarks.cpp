@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kLumels = 12000.0;
 
-constexpr std::array<Benchmark, 10> kBenchmarks{{
+constexpr std::array<Benchmark, 11> kBenchmarks{{
     {"precompute_vs_embree", "time of a precompute against that of bare Embree for the same rays",
      precompute_vs_embree},
     {"error", "error and size of models for error targets and flat budgets, against a converged answer",
@@ -30,6 +30,8 @@ constexpr std::array<Benchmark, 10> kBenchmarks{{
      shadow_rays},
     {"solve", "form factors a second of the reference product and of each device kernel", solve},
     {"levels", "products of the methods that a device does, with albedos raised", levels},
+    {"lightings", "a bounce and a gather for each of several lightings at once, against one alone",
+     lightings},
     {"frame", "milliseconds of the stages of a frame, of what changes in it, and to the first one", frame},
     {"probes", "light between probes that are placed automatically, and between those of grids", probes},
     {"tracking", "how far frames of one and two bounces are behind a lamp on a circle", tracking},

@@ -55,6 +55,10 @@ Measurements shadow_rays(const BenchmarkOptions& options);
 /// Products and milliseconds of the methods that a device does, with albedos raised.
 Measurements levels(const BenchmarkOptions& options);
 
+/// Milliseconds of a bounce and a gather for each of several lightings that a solver does at once, against
+/// one alone.
+Measurements lightings(const BenchmarkOptions& options);
+
 /// Milliseconds of the stages of a frame, of lights that move, of new albedos, and to the first frame.
 Measurements frame(const BenchmarkOptions& options);
 

@@ -55,14 +55,14 @@ constexpr std::array<TexelPlan, 3> kNodeTexels{
      {kernels::kOwnRadiosityTexelsBinding, kernels::kOwnRadiosityBinding, kRgbFormat, kRgbBytes}}};
 
 /// For the kernels of nodes; something must stand in the places of what they do not use.
-SetPlan plan_sky_set(std::span<const BufferRange> ranges, VkDeviceSize senders, VkDescriptorSet& set) {
+SetPlan plan_sky_set(std::span<const BufferRange> ranges, const BufferRange& radiosity,
+                     VkDescriptorSet& set) {
   SetPlan plan{kernels::kSystemSet,
                &set,
                std::vector<VkDescriptorBufferInfo>(kernels::kSystemBindings, whole(ranges[kSkyNodes])),
                {}};
   plan.bindings[kernels::kNodePartsBinding] = whole(ranges[kSkyParts]);
-  plan.bindings[kernels::kOwnRadiosityBinding] =
-      part(ranges[kRadiosity], 0, std::max<VkDeviceSize>(senders, 1) * kRgbBytes);
+  plan.bindings[kernels::kOwnRadiosityBinding] = whole(radiosity);
   plan.texels.assign(kNodeTexels.begin(), kNodeTexels.end());
   return plan;
 }
@@ -201,10 +201,10 @@ Result<VulkanHandle<VkDescriptorPool>> make_sets(const HostDevice& host, const D
 
 Result<SolveSets> make_solve_sets(const HostDevice& host, const DeviceFunctions& functions,
                                   const Pipelines& pipelines, std::span<const BufferRange> ranges,
-                                  std::uint32_t sky_senders, VkDeviceSize max_texels) {
+                                  const BufferRange& sky_radiosity, VkDeviceSize max_texels) {
   SolveSets sets;
   std::vector<SetPlan> plans = {plan_solve_set(ranges, sets.solve),
-                                plan_sky_set(ranges, sky_senders, sets.sky)};
+                                plan_sky_set(ranges, sky_radiosity, sets.sky)};
   if (auto made = make_texel_views(host, functions, max_texels, plans, sets.texel_views); !made) {
     return tl::unexpected<Error>(made.error());
   }

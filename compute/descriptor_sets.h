@@ -42,11 +42,12 @@ Result<RoomSets> make_room_sets(const HostDevice& host, const DeviceFunctions& f
                                 const Pipelines& pipelines, std::vector<BufferRange> ranges,
                                 VkDeviceSize max_texels);
 
-/// `ranges` has one entry per buffer of the layout of the whole solve. Texel buffers show no more than
-/// `max_texels` elements; a device that has fewer than a buffer holds must use MatrixFetch::storage.
+/// `ranges` has one entry per buffer of the layout of the whole solve; `sky_radiosity`: of its senders. Texel
+/// buffers show no more than `max_texels` elements; a device that has fewer than a buffer holds must use
+/// MatrixFetch::storage.
 Result<SolveSets> make_solve_sets(const HostDevice& host, const DeviceFunctions& functions,
                                   const Pipelines& pipelines, std::span<const BufferRange> ranges,
-                                  std::uint32_t sky_senders, VkDeviceSize max_texels);
+                                  const BufferRange& sky_radiosity, VkDeviceSize max_texels);
 
 /// `ranges` has one entry per buffer of the system; `radiosity`: of both of its halves; `coefficients`: of
 /// the probes of all; `max_texels`: as above.

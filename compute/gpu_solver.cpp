@@ -23,7 +23,7 @@ namespace {
 LayoutLimits limits_of(const VkPhysicalDeviceLimits& limits, const SolverOptions& options) {
   return {limits.maxStorageBufferRange,
           std::max(limits.minStorageBufferOffsetAlignment, limits.minTexelBufferOffsetAlignment),
-          options.half_senders_up_to > 0.0};
+          options.half_senders_up_to > 0.0, options.lightings};
 }
 
 /// So that single precision has room for scales and products.
@@ -68,6 +68,10 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
     return fail(ErrorCode::usage, "half_senders_up_to: expected 0 to " + std::to_string(kMostHalfSenders) +
                                       " lm/m2, found " + std::to_string(options.half_senders_up_to));
   }
+  if (options.lightings == 0 || options.lightings > kMaxLightings) {
+    return fail(ErrorCode::usage, "lightings: expected 1 to " + std::to_string(kMaxLightings) + ", found " +
+                                      std::to_string(options.lightings));
+  }
   const RowKernel kernel = options.kernel.value_or(default_tile_kernel(host));
   if (!supports_row_kernel(host, kernel)) {
     return fail(ErrorCode::no_device,
@@ -81,7 +85,7 @@ Result<GpuSolver> GpuSolver::create(const HostDevice& host, const Model& model,
   if (!layout) return tl::unexpected<Error>(layout.error());
   auto functions = load_device_functions(host);
   if (!functions) return tl::unexpected<Error>(functions.error());
-  auto pipelines = Pipelines::create(host, *functions, sender_scale(options));
+  auto pipelines = Pipelines::create(host, *functions, {sender_scale(options), options.lightings});
   if (!pipelines) return tl::unexpected<Error>(pipelines.error());
   const NodeTables sky = node_tables(model.sky_tree, layout->sky_patches);
   for (const KernelId of_nodes : {KernelId::small_nodes, KernelId::nodes}) {
@@ -121,8 +125,10 @@ Result<void> GpuSolver::bind(std::span<const BufferRange> ranges) {
   if (state_->failure) return tl::unexpected<Error>(*state_->failure);
   auto exact = fit_ranges(buffers(), ranges);
   if (!exact) return tl::unexpected<Error>(exact.error());
-  auto sets = make_solve_sets(state_->host, state_->functions, state_->pipelines, *exact,
-                              state_->layout.sky_senders(), state_->max_texels);
+  auto sets =
+      make_solve_sets(state_->host, state_->functions, state_->pipelines, *exact,
+                      radiosity_part(state_->layout, (*exact)[kRadiosity], 0, state_->layout.sky_senders()),
+                      state_->max_texels);
   if (!sets) {
     latch_failure(*state_, sets.error());
     return tl::unexpected<Error>(sets.error());
@@ -171,7 +177,7 @@ Result<void> GpuSolver::bind_rooms(const RoomTables& tables, std::span<const Buf
 }
 
 UploadData GpuSolver::room_data(const RoomTables& tables) const {
-  UploadData data = room_upload(tables);
+  UploadData data = room_upload(tables, state_->layout.lightings);
   data.targets = state_->rooms->ranges;
   return data;
 }
@@ -193,7 +199,7 @@ FramePlan GpuSolver::plan(const Schedule& schedule, const PassWishes& wishes) co
 }
 
 UploadData GpuSolver::model_data(const Model& model) const {
-  UploadData data = model_upload(model);
+  UploadData data = model_upload(model, state_->layout);
   data.targets = state_->ranges;
   return data;
 }
@@ -205,18 +211,20 @@ UploadData GpuSolver::system_data(const Model& model, std::uint32_t system) cons
   return data;
 }
 
-UploadData GpuSolver::input_data(std::uint32_t system, Quantity quantity, std::span<const Rgb> values) const {
+UploadData GpuSolver::input_data(std::uint32_t system, Quantity quantity, std::span<const Rgb> values,
+                                 std::uint32_t lighting) const {
   UploadData data;
   data.add_owned(0, 0, rgb_bytes(values));
-  data.targets = {input(system, quantity)};
+  data.targets = {input(system, quantity, lighting)};
   return data;
 }
 
 UploadData GpuSolver::radiosity_data(std::uint32_t system, std::uint32_t half,
-                                     std::span<const Rgb> radiosity_of_clusters) const {
+                                     std::span<const Rgb> radiosity_of_clusters,
+                                     std::uint32_t lighting) const {
   UploadData data;
   data.add_owned(0, 0, rgb_bytes(radiosity_of_clusters));
-  data.targets = {radiosity(system, half)};
+  data.targets = {radiosity(system, half, lighting)};
   return data;
 }
 
@@ -236,40 +244,43 @@ void GpuSolver::latch(const Error& error) {
   if (!state_->failure) state_->failure = error;
 }
 
-BufferRange GpuSolver::input(std::uint32_t system, Quantity quantity) const {
-  return input_range(*state_, system, quantity);
+BufferRange GpuSolver::input(std::uint32_t system, Quantity quantity, std::uint32_t lighting) const {
+  return input_range(*state_, system, quantity, lighting);
 }
 
-BufferRange GpuSolver::radiosity(std::uint32_t system, std::uint32_t half) const {
+BufferRange GpuSolver::radiosity(std::uint32_t system, std::uint32_t half, std::uint32_t lighting) const {
+  if (lighting >= state_->layout.lightings) return {};
   const LoadedSystem& loaded = *state_->systems[system];
   const BufferRange& senders = state_->ranges[kRadiosity];
-  return {senders.buffer, senders.offset + loaded.first_of_half(half) * kRgbBytes,
+  const VkDeviceSize plane = lighting * state_->layout.radiosity_plane.step;
+  return {senders.buffer, senders.offset + plane + loaded.first_of_half(half) * kRgbBytes,
           loaded.layout.clusters * kRgbBytes};
 }
 
-BufferRange GpuSolver::irradiance(std::uint32_t system) const {
+BufferRange GpuSolver::irradiance(std::uint32_t system, std::uint32_t lighting) const {
+  if (lighting >= state_->layout.lightings) return {};
   const LoadedSystem& loaded = *state_->systems[system];
   const BufferRange& whole = loaded.ranges[kIrradiance];
-  return {whole.buffer, whole.offset, loaded.layout.gather_rows * kRgbBytes};
+  return {whole.buffer, whole.offset + lighting * loaded.layout.irradiance_plane.step,
+          loaded.layout.gather_rows * kRgbBytes};
 }
 
-BufferRange GpuSolver::directional_irradiance(std::uint32_t system) const {
-  const LoadedSystem& loaded = *state_->systems[system];
-  if (!loaded.layout.directional) return {};
-  const BufferRange& whole = loaded.ranges[kIrradiance];
-  return {whole.buffer, whole.offset + loaded.layout.gather_rows * kRgbBytes,
-          loaded.layout.gather_rows * kMomentBytes};
+BufferRange GpuSolver::directional_irradiance(std::uint32_t system, std::uint32_t lighting) const {
+  const BufferRange rows = irradiance(system, lighting);
+  if (!state_->systems[system]->layout.directional || rows.buffer == VK_NULL_HANDLE) return {};
+  return {rows.buffer, rows.offset + rows.byte_size, rows.byte_size / kRgbBytes * kMomentBytes};
 }
 
-BufferRange GpuSolver::probe_coefficients() const {
-  if (state_->layout.probes == 0) return {};
+BufferRange GpuSolver::probe_coefficients(std::uint32_t lighting) const {
+  if (lighting >= state_->layout.lightings || state_->layout.probes == 0) return {};
   const BufferRange& whole = state_->ranges[kProbeCoefficients];
-  return {whole.buffer, whole.offset, state_->layout.probes * kProbeBytes};
+  const LightingPlane& plane = state_->layout.probes_plane;
+  return {whole.buffer, whole.offset + lighting * plane.step, plane.byte_size};
 }
 
 BufferRange GpuSolver::residuals() const {
   const BufferRange& whole = state_->ranges[kResiduals];
-  return {whole.buffer, whole.offset, state_->layout.systems * sizeof(kernels::ResidualRecord)};
+  return {whole.buffer, whole.offset, state_->layout.residual_bytes()};
 }
 
 }  // namespace relume

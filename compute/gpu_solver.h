@@ -47,6 +47,15 @@
 // device is lost, the first error stays: every further call gives it back. The host destroys the solver,
 // makes a device, and loads the same file into a new one, which gives equal results.
 //
+// Several lightings (SolverOptions::lightings) of one model, as unit responses of lights for a LightCache,
+// times of the day, before and after an edit: each has exitance, direct light, sky, radiosity, irradiance,
+// probes and residuals of its own, which a number below `lightings` names (0 where none is named); albedo and
+// weights are of all. A bounce or a gather takes all of them forward, in as many dispatches as for one, and
+// reads the matrix once for all; each gets the bits that it would get alone. There is one schedule: its
+// bounds hold for the worst of them, so that note_change takes the largest change of any, and
+// Schedule::largest_radiosity the largest of all. A form factor counts once for each lighting. MaterialPass,
+// ScreenPass, DirectLight and LightmapPass are each bound to one lighting.
+//
 // What it does not do: own memory, queues or command buffers; compile kernels at run time; choose a device
 // (compute/standalone does).
 #pragma once
@@ -81,7 +90,8 @@ struct Residual {
   Rgb radiosity{0.0};           ///< |B|, lm/m2
 };
 
-/// Reads the bytes of GpuSolver::residuals(): one per system, loaded or not.
+/// Reads the bytes of GpuSolver::residuals(): one per system, loaded or not; of several lightings one after
+/// the other.
 std::vector<Residual> read_residuals(std::span<const std::byte> bytes);
 
 /// Gives the host's memory for one buffer; the offset must keep its alignment. The host frees it after the
@@ -102,7 +112,8 @@ struct InputCopy {
   Quantity quantity = Quantity::direct;
   std::uint32_t system = 0;
   std::uint32_t first = 0;  ///< cluster or patch
-  BufferRange source;       ///< 16 bytes an element
+  BufferRange source;       ///< 16 bytes an element; may be input() of another lighting
+  std::uint32_t lighting = 0;
 };
 
 /// A copy of a system's irradiance (GpuSolver::irradiance) into memory of the host (usage TRANSFER_DST), in
@@ -110,6 +121,7 @@ struct InputCopy {
 struct IrradianceTarget {
   std::uint32_t system = 0;
   BufferRange target;  ///< 16 bytes per gather row, from row 0
+  std::uint32_t lighting = 0;
 };
 
 /// Commands of the host, or of a pass of its own, for one system, in the middle of a frame: compute and
@@ -189,9 +201,9 @@ class GpuSolver {
   bool loaded(std::uint32_t system) const;
 
   /// The level above the bounces, for PassWishes::correct (core/methods/room_correction.h): one range per
-  /// entry of room_buffers(tables), the upload of room_data. For all systems that are loaded; unload lets go
-  /// of it. Albedo is read when a frame runs, so that a change of it needs nothing. Fails with usage when
-  /// `tables` are of other systems.
+  /// entry of room_buffers(tables, lightings), the upload of room_data. For all systems that are loaded;
+  /// unload lets go of it. Albedo is read when a frame runs, so that a change of it needs nothing. Fails with
+  /// usage when `tables` are of other systems.
   Result<void> bind_rooms(const RoomTables& tables, std::span<const BufferRange> ranges);
 
   /// Once rooms are bound to these tables. Refers to nothing.
@@ -212,10 +224,12 @@ class GpuSolver {
   UploadData system_data(const Model& model, std::uint32_t system) const;
 
   /// Values of a quantity from its first element on, for record_upload. Refers to nothing.
-  UploadData input_data(std::uint32_t system, Quantity quantity, std::span<const Rgb> values) const;
+  UploadData input_data(std::uint32_t system, Quantity quantity, std::span<const Rgb> values,
+                        std::uint32_t lighting = 0) const;
 
   /// Radiosity of the clusters of a system (lm/m2) into one half, to bounce on from. Refers to nothing.
-  UploadData radiosity_data(std::uint32_t system, std::uint32_t half, std::span<const Rgb> radiosity) const;
+  UploadData radiosity_data(std::uint32_t system, std::uint32_t half, std::span<const Rgb> radiosity,
+                            std::uint32_t lighting = 0) const;
 
   /// Copies as much of `data` as the staging memory (not empty) holds, from `cursor`, which moves on. True
   /// when all of it is recorded. For loading; what changes in frames goes through FrameInputs.
@@ -230,21 +244,22 @@ class GpuSolver {
   /// For a host that learns of a lost device first. The first error stays.
   void latch(const Error& error);
 
-  /// Where inputs are, for kernels of the host that write them, ...
-  BufferRange input(std::uint32_t system, Quantity quantity) const;
+  /// Where inputs are, for kernels of the host that write them, ... (A lighting that is not there: all
+  /// empty.)
+  BufferRange input(std::uint32_t system, Quantity quantity, std::uint32_t lighting = 0) const;
   /// ... and results: four floats per cluster of a system (lm/m2, the last is 0) in the half that the
   /// schedule says, ...
-  BufferRange radiosity(std::uint32_t system, std::uint32_t half) const;
+  BufferRange radiosity(std::uint32_t system, std::uint32_t half, std::uint32_t lighting = 0) const;
   /// ... four floats per gather row (lumels, then sensors; lm/m2), whole when the system was published and
   /// until its next gather begins, ...
-  BufferRange irradiance(std::uint32_t system) const;
+  BufferRange irradiance(std::uint32_t system, std::uint32_t lighting = 0) const;
   /// ... likewise three times four floats per gather row, moments of its irradiance along x, y and z
   /// (core/directional_irradiance.h; lm/m2): empty where the gather matrix has no directions, ...
-  BufferRange directional_irradiance(std::uint32_t system) const;
+  BufferRange directional_irradiance(std::uint32_t system, std::uint32_t lighting = 0) const;
   /// ... likewise nine times four floats per light probe of all systems (Probe::name), in the order of
   /// Harmonics (core/probe_coefficients.h; cd/m2 sr^1/2, the last of four is 0): empty without probes. Those
   /// of a system that was never published are 0, as model_data() left them, ...
-  BufferRange probe_coefficients() const;
+  BufferRange probe_coefficients(std::uint32_t lighting = 0) const;
   /// ... and bytes for read_residuals.
   BufferRange residuals() const;
 

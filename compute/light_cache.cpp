@@ -56,9 +56,13 @@ Result<void> LightCache::bind(std::span<const BufferRange> ranges, const BufferR
 }
 
 void LightCache::record_keep(VkCommandBuffer commands, std::uint32_t light) const {
+  record_keep(commands, light, ranges_[kernels::kCachedIrradianceBinding]);
+}
+
+void LightCache::record_keep(VkCommandBuffer commands, std::uint32_t light,
+                             const BufferRange& irradiance) const {
   const ScopedLabel label(functions_, commands, "relume light response");
   const BufferRange& responses = ranges_[kernels::kCachedResponsesBinding];
-  const BufferRange& irradiance = ranges_[kernels::kCachedIrradianceBinding];
   const VkDeviceSize bytes = kColorBytes * rows_;
   const VkBufferCopy copy{irradiance.offset, responses.offset + light * bytes, bytes};
   record_barrier(functions_, commands, kComputeAndTransfer, kComputeAndTransfer);

@@ -6,8 +6,10 @@
 // The life of a cache, one per system: create; the host provides buffers() and binds them with
 // GpuSolver::irradiance(system). For each light, the host has the solver light the scene by it alone, white
 // and with an intensity of 1, bounces until that is good enough (GpuSolver::plan, record_frame), and records
-// record_keep behind it. From then on, a frame in which only colours changed is record instead of bounces and
-// gather; lightmaps are written from the irradiance as ever. New albedos or places need new responses.
+// record_keep behind it. A solver of several lightings (SolverOptions::lightings) does so many lights at a
+// time, one in each, and record_keep takes GpuSolver::irradiance(system, lighting). From then on, a frame in
+// which only colours changed is record instead of bounces and gather; lightmaps are written from the
+// irradiance as ever. New albedos or places need new responses.
 //
 // Synchronisation: both record functions begin with a barrier after, and end with one before, all
 // COMPUTE_SHADER and TRANSFER work on the queue. record leaves behind the bound compute pipeline, descriptor
@@ -45,8 +47,10 @@ class LightCache {
   /// outlive its use.
   Result<void> bind(std::span<const BufferRange> ranges, const BufferRange& irradiance);
 
-  /// The irradiance that is there becomes the response to light number `light`.
+  /// The irradiance that is there becomes the response to light number `light`; or that of the rows in
+  /// `irradiance`, which is of another lighting.
   void record_keep(VkCommandBuffer commands, std::uint32_t light) const;
+  void record_keep(VkCommandBuffer commands, std::uint32_t light, const BufferRange& irradiance) const;
 
   /// Writes the irradiance under lights of these colours times intensities, from the first on; the others are
   /// off.

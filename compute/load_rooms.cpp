@@ -19,7 +19,7 @@ DispatchStep step_of(std::uint32_t count, std::uint32_t block_row, std::uint32_t
 
 /// What the rooms ask of system `s`; the equations are solved with the first.
 SystemDispatches dispatches_of_rooms(const RoomTables& tables, std::uint32_t s, MatrixFetch fetch,
-                                     bool first) {
+                                     std::uint32_t lightings, bool first) {
   SystemDispatches all;
   const auto add = [&all](StepKernel kernel, const DispatchStep& step) {
     all[static_cast<std::size_t>(kernel)].push_back(step);
@@ -43,6 +43,7 @@ SystemDispatches dispatches_of_rooms(const RoomTables& tables, std::uint32_t s, 
     add(StepKernel::correct_rooms,
         step_of(clusters, tables.first_cluster[s], workgroup_count(clusters), clusters));
   }
+  for (std::vector<DispatchStep>& steps : all) spread_over_lightings(steps, lightings);
   return all;
 }
 
@@ -72,7 +73,7 @@ Result<void> load_rooms(SolverState& state, const RoomTables& tables, std::span<
       return fail(ErrorCode::usage, "the rooms are of other systems than those that are loaded");
     }
   }
-  auto exact = fit_ranges(room_buffers(tables), ranges);
+  auto exact = fit_ranges(room_buffers(tables, state.layout.lightings), ranges);
   if (!exact) return tl::unexpected<Error>(exact.error());
   auto sets = make_room_sets(state.host, state.functions, state.pipelines, *exact, state.max_texels);
   if (!sets) return tl::unexpected<Error>(sets.error());
@@ -80,7 +81,7 @@ Result<void> load_rooms(SolverState& state, const RoomTables& tables, std::span<
   for (std::uint32_t s = 0; s < state.systems.size(); ++s) {
     if (!state.systems[s]) continue;
     SystemDispatches dispatches = dispatches_of_rooms(tables, s, fetch_of(state, tables, *state.systems[s]),
-                                                      std::exchange(first, false));
+                                                      state.layout.lightings, std::exchange(first, false));
     if (auto added = add_pipelines(state.pipelines, dispatches, state.row_kernel); !added) return added;
     set_dispatches(*state.systems[s], state.traits[s], std::move(dispatches));
   }

@@ -36,14 +36,6 @@ void give_back_places(SolverState& state, std::uint32_t first_sender, std::uint3
   if (senders > 0) state.senders.give_back(first_sender - state.layout.sky_places());
 }
 
-/// Both halves of a system in the radiosity buffer; without senders, something that can be bound.
-BufferRange radiosity_of(const SolverState& state, std::uint32_t first_sender, std::uint32_t senders) {
-  BufferRange range = state.ranges[kRadiosity];
-  range.offset += senders > 0 ? first_sender * kRgbBytes : 0;
-  range.byte_size = std::max<VkDeviceSize>(2 * VkDeviceSize{senders}, 1) * kRgbBytes;
-  return range;
-}
-
 }  // namespace
 
 Result<void> add_pipelines(Pipelines& pipelines, const SystemDispatches& dispatches, RowKernel row_kernel) {
@@ -114,9 +106,10 @@ Result<void> load_system(SolverState& state, const Model& model, std::uint32_t i
                     std::to_string(state.layout.sender_capacity));
   }
   loaded->first_sender = state.layout.sky_places() + *first;
-  auto sets = make_system_sets(state.host, state.functions, state.pipelines, *layout, *exact,
-                               radiosity_of(state, loaded->first_sender, layout->senders()),
-                               state.ranges[kProbeCoefficients], state.max_texels);
+  auto sets = make_system_sets(
+      state.host, state.functions, state.pipelines, *layout, *exact,
+      radiosity_part(state.layout, state.ranges[kRadiosity], loaded->first_sender, 2 * layout->senders()),
+      state.ranges[kProbeCoefficients], state.max_texels);
   if (!sets) {
     give_back_places(state, loaded->first_sender, layout->senders());
     latch_failure(state, sets.error());

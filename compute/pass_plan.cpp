@@ -60,13 +60,15 @@ std::vector<DispatchStep> plan_rows(const BlockMatrix& matrix, RowKernel row_ker
 }
 
 /// Of the blocks that have directions.
-std::vector<DispatchStep> plan_directions(const BlockMatrix& gather, MatrixFetch fetch,
-                                          std::uint64_t max_form_factors) {
+std::vector<DispatchStep> plan_directions(const BlockMatrix& gather, std::uint32_t gather_rows,
+                                          MatrixFetch fetch, std::uint64_t max_form_factors) {
   std::vector<DispatchStep> steps;
   for (DispatchStep step : plan_rows(gather, RowKernel::row_per_8_lanes, fetch,
                                      std::max<std::uint64_t>(max_form_factors / kDirectionCost, 1))) {
     if (gather.blocks[step.block].directions.empty()) continue;
     step.range.first_sender = gather.blocks[step.block].row_count;
+    step.range.block_row =
+        gather_rows + static_cast<std::uint32_t>(kMomentBytes / kRgbBytes) * step.range.block_row;
     step.cost *= kDirectionCost;
     steps.push_back(step);
   }
@@ -133,6 +135,13 @@ std::uint32_t workgroup_count(std::uint64_t threads) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(groups, kernels::kMaxWorkgroups));
 }
 
+void spread_over_lightings(std::vector<DispatchStep>& steps, std::uint32_t lightings) {
+  for (DispatchStep& step : steps) {
+    step.lightings = lightings;
+    step.cost *= lightings;
+  }
+}
+
 std::vector<DispatchStep> plan_small_nodes(const NodeTables& tables, MatrixFetch fetch) {
   return plan_node_range(tables, 0, tables.small, kernels::kWorkgroupSize, fetch);
 }
@@ -146,20 +155,27 @@ std::vector<DispatchStep> plan_nodes(const NodeTables& tables, RowKernel row_ker
 SystemDispatches plan_dispatches(const System& system, const SystemLayout& layout, RowKernel row_kernel,
                                  MatrixFetch fetch, std::uint64_t max_form_factors) {
   SystemDispatches all;
-  const auto set = [&all](StepKernel kernel, std::vector<DispatchStep> steps) {
+  const std::uint64_t most = std::max<std::uint64_t>(max_form_factors / layout.lightings, 1);
+  // Kernels of layers do a lighting in each; the others do all in an invocation.
+  const auto set_layers = [&](StepKernel kernel, std::vector<DispatchStep> steps) {
+    spread_over_lightings(steps, layout.lightings);
     all[static_cast<std::size_t>(kernel)] = std::move(steps);
   };
-  set(StepKernel::start, plan_elements(layout.clusters, layout.clusters, fetch));
+  const auto set = [&](StepKernel kernel, std::vector<DispatchStep> steps) {
+    for (DispatchStep& step : steps) step.cost *= layout.lightings;
+    all[static_cast<std::size_t>(kernel)] = std::move(steps);
+  };
+  set_layers(StepKernel::start, plan_elements(layout.clusters, layout.clusters, fetch));
   set(StepKernel::import_radiosity,
       plan_elements(layout.imports, layout.imports + layout.import_parts, fetch));
-  set(StepKernel::bounce, plan_rows(system.bounce, row_kernel, fetch, max_form_factors));
+  set(StepKernel::bounce, plan_rows(system.bounce, row_kernel, fetch, most));
   const NodeTables nodes = node_tables(system.tree, layout.clusters);
   set(StepKernel::small_nodes, plan_small_nodes(nodes, fetch));
   set(StepKernel::nodes, plan_nodes(nodes, row_kernel, fetch));
-  set(StepKernel::residual, plan_elements(layout.clusters, layout.clusters, fetch));
-  set(StepKernel::gather, plan_rows(system.gather, row_kernel, fetch, max_form_factors));
-  set(StepKernel::directions, plan_directions(system.gather, fetch, max_form_factors));
-  set(StepKernel::probes, plan_probes(system, layout.probes, max_form_factors));
+  set_layers(StepKernel::residual, plan_elements(layout.clusters, layout.clusters, fetch));
+  set(StepKernel::gather, plan_rows(system.gather, row_kernel, fetch, most));
+  set_layers(StepKernel::directions, plan_directions(system.gather, layout.gather_rows, fetch, most));
+  set_layers(StepKernel::probes, plan_probes(system, layout.probes, most));
   return all;
 }
 

@@ -47,9 +47,10 @@ struct DispatchStep {
   std::uint32_t block = 0;  ///< of the bounce or gather matrix, or of the probes
   kernels::Range range{};
   std::uint32_t workgroups = 0;
-  std::uint32_t sweeps = 1;  ///< workgroups along y: see kernels::kSweeps
-  /// Form factors, zeros of tiles included; of directions, three times as many; of probes, kProbeEntryCost
-  /// for each entry of their lists; of other kernels, the vec4 that they read.
+  std::uint32_t sweeps = 1;     ///< workgroups along y: see kernels::kSweeps
+  std::uint32_t lightings = 1;  ///< workgroups along z, of a kernel that does one lighting each
+  /// Of all lightings together: form factors, zeros of tiles included; of directions, three times as many; of
+  /// probes, kProbeEntryCost for each entry of their lists; of other kernels, the vec4 that they read.
   std::uint64_t cost = 0;
 };
 
@@ -80,6 +81,9 @@ SystemDispatches plan_dispatches(const System& system, const SystemLayout& layou
 /// The dispatches that bring the small nodes of a tree up to date, or, after them, the large ones.
 std::vector<DispatchStep> plan_small_nodes(const NodeTables& tables, MatrixFetch fetch);
 std::vector<DispatchStep> plan_nodes(const NodeTables& tables, RowKernel row_kernel, MatrixFetch fetch);
+
+/// From one lighting to all, of a kernel that does them in a layer of workgroups each.
+void spread_over_lightings(std::vector<DispatchStep>& steps, std::uint32_t lightings);
 
 /// Sum of costs.
 std::uint64_t dispatch_cost(const std::vector<DispatchStep>& dispatches);

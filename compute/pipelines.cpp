@@ -3,6 +3,7 @@
 
 #include <bit>
 
+#include "kernels/shared/limits.h"
 #include "kernels/shared/records.h"
 
 namespace relume {
@@ -11,6 +12,8 @@ namespace {
 static_assert(static_cast<kernels::uint>(ValueCodec::f32) == kernels::kCodecF32);
 static_assert(static_cast<kernels::uint>(ValueCodec::unorm16) == kernels::kCodecUnorm16);
 static_assert(static_cast<kernels::uint>(ValueCodec::sqrt8) == kernels::kCodecSqrt8);
+
+static_assert(kMaxLightings == kernels::kMaxLightings);
 
 static_assert(static_cast<kernels::uint>(MatrixFetch::storage) == kernels::kFetchStorage);
 static_assert(static_cast<kernels::uint>(MatrixFetch::texels) == kernels::kFetchTexels);
@@ -89,8 +92,8 @@ KernelId step_kernel_id(StepKernel step, RowKernel row_kernel, std::uint32_t til
 }
 
 Result<Pipelines> Pipelines::create(const HostDevice& host, const DeviceFunctions& functions,
-                                    float sender_scale) {
-  Pipelines pipelines(host, functions, sender_scale);
+                                    const KernelConstants& constants) {
+  Pipelines pipelines(host, functions, constants);
   for (std::uint32_t set = 0; set < kernels::kSets; ++set) {
     auto layout = make_set_layout(host, functions, set_shape(set));
     if (!layout) return tl::unexpected<Error>(layout.error());
@@ -106,14 +109,15 @@ Result<Pipelines> Pipelines::create(const HostDevice& host, const DeviceFunction
 
 Result<void> Pipelines::add(KernelId kernel, const BlockFormat& format) {
   if (pipelines_.contains({kernel, format})) return {};
-  std::array<std::uint32_t, 5> constants{};
+  std::array<std::uint32_t, 6> constants{};
   constants[kernels::kCodecConstant] = static_cast<std::uint32_t>(format.codec);
   constants[kernels::kFetchConstant] = static_cast<std::uint32_t>(format.fetch);
   constants[kernels::kTileRowsConstant] = format.tile_rows;
-  const bool half_senders = sender_scale_ > 0.0f;
+  const bool half_senders = constants_.sender_scale > 0.0f;
   constants[kernels::kHalfSendersConstant] = half_senders ? 1 : 0;
   constants[kernels::kSenderScaleConstant] =
-      std::bit_cast<std::uint32_t>(half_senders ? sender_scale_ : 1.0f);
+      std::bit_cast<std::uint32_t>(half_senders ? constants_.sender_scale : 1.0f);
+  constants[kernels::kLightingsConstant] = constants_.lightings;
   auto pipeline = make_compute_pipeline(host_, functions_, layout_.get(), kernel, constants);
   if (!pipeline) return tl::unexpected<Error>(pipeline.error());
   pipelines_.emplace(std::pair{kernel, format}, std::move(*pipeline));

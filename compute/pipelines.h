@@ -19,6 +19,12 @@
 
 namespace relume {
 
+/// What all kernels of a solver are compiled for.
+struct KernelConstants {
+  float sender_scale = 0.0f;    ///< of imports in half precision, a power of two; 0: single precision
+  std::uint32_t lightings = 1;  ///< SolverOptions::lightings
+};
+
 /// The kernel that does a step, on rows in tiles of `tile_rows`.
 KernelId step_kernel_id(StepKernel step, RowKernel row_kernel, std::uint32_t tile_rows);
 
@@ -27,10 +33,9 @@ SetShape set_shape(std::uint32_t set);
 
 class Pipelines {
  public:
-  /// Layouts only. Everything of `host` is borrowed. `sender_scale`: of imports in half precision, a power of
-  /// two; 0: imports are in single precision.
+  /// Layouts only. Everything of `host` is borrowed.
   static Result<Pipelines> create(const HostDevice& host, const DeviceFunctions& functions,
-                                  float sender_scale = 0.0f);
+                                  const KernelConstants& constants);
 
   /// Makes the pipeline of a kernel for a format, unless it is there. Kernels that decode nothing have the
   /// format {}.
@@ -45,12 +50,12 @@ class Pipelines {
   VkDescriptorSetLayout set_layout(std::uint32_t set) const { return set_layouts_[set].get(); }
 
  private:
-  Pipelines(const HostDevice& host, const DeviceFunctions& functions, float sender_scale)
-      : host_(host), functions_(functions), sender_scale_(sender_scale) {}
+  Pipelines(const HostDevice& host, const DeviceFunctions& functions, const KernelConstants& constants)
+      : host_(host), functions_(functions), constants_(constants) {}
 
   HostDevice host_;
   DeviceFunctions functions_;
-  float sender_scale_;
+  KernelConstants constants_;
   std::array<VulkanHandle<VkDescriptorSetLayout>, kernels::kSets> set_layouts_;
   VulkanHandle<VkPipelineLayout> layout_;
   std::map<std::pair<KernelId, BlockFormat>, VulkanHandle<VkPipeline>> pipelines_;

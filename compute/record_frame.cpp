@@ -27,6 +27,12 @@ Result<void> check_active(const SolverState& state, const FramePlan& plan) {
   return {};
 }
 
+Result<void> check_lighting_number(const SolverState& state, std::uint32_t lighting) {
+  if (lighting < state.layout.lightings) return {};
+  return fail(ErrorCode::usage, "lighting " + std::to_string(lighting) + ": the solver was made for " +
+                                    std::to_string(state.layout.lightings));
+}
+
 bool inside(const BufferRange& part, VkDeviceSize offset, const BufferRange& whole) {
   return part.buffer != VK_NULL_HANDLE && offset <= whole.byte_size &&
          part.byte_size <= whole.byte_size - offset;
@@ -85,7 +91,23 @@ class FrameRecorder {
              range_of(step, system, planned), sets, set_count);
   }
 
+  /// Whether two steps may not run side by side, without a barrier of the plan: what the kernels of nodes
+  /// bind of one system reaches into others where there are several lightings.
+  bool overlap(const FrameStep& before, const FrameStep& step) const {
+    return state_.layout.lightings > 1 && step.kind == FrameStep::Kind::dispatch && of_nodes(step.kernel) &&
+           before.kind == FrameStep::Kind::dispatch && of_nodes(before.kernel) &&
+           before.system != step.system;
+  }
+
  private:
+  static bool of_nodes(StepKernel kernel) {
+    return kernel == StepKernel::small_nodes || kernel == StepKernel::nodes;
+  }
+
+  std::uint32_t senders_of_lighting() const {
+    return static_cast<std::uint32_t>(state_.layout.radiosity_plane.step / kRgbBytes);
+  }
+
   std::uint32_t first_sender(const FramePlan& plan, std::uint32_t system) const {
     if (system == state_.layout.systems) return 0;
     const bool active = system < plan.halves.size() && plan.halves[system] != kInactive;
@@ -108,8 +130,9 @@ class FrameRecorder {
                           const DispatchStep& planned) const {
     kernels::Range range = planned.range;
     if (step.kernel == StepKernel::directions) return range;
-    if (step.kernel == StepKernel::small_nodes || step.kernel == StepKernel::nodes) {
+    if (of_nodes(step.kernel)) {
       range.first_sender = step.half * system.layout.senders();
+      range.block_row = senders_of_lighting();
       return range;
     }
     range.first_sender = system.first_of_half(step.half);
@@ -123,7 +146,9 @@ class FrameRecorder {
   }
 
   void dispatch_of_sky(KernelId kernel, const DispatchStep& step) {
-    dispatch(kernel, step, step.range, {state_.sets.solve, state_.sets.sky}, kernels::kBlockSet);
+    kernels::Range range = step.range;
+    range.block_row = senders_of_lighting();
+    dispatch(kernel, step, range, {state_.sets.solve, state_.sets.sky}, kernels::kBlockSet);
   }
 
   void dispatch(KernelId kernel, const DispatchStep& step, const kernels::Range& range,
@@ -135,7 +160,7 @@ class FrameRecorder {
     functions.cmd_bind_descriptor_sets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, set_count,
                                        sets.data(), 0, nullptr);
     functions.cmd_push_constants(commands_, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof range, &range);
-    functions.cmd_dispatch(commands_, step.workgroups, step.sweeps, 1);
+    functions.cmd_dispatch(commands_, step.workgroups, step.sweeps, step.lightings);
   }
 
   const SolverState& state_;
@@ -149,8 +174,11 @@ void clear_residuals(const SolverState& state, VkCommandBuffer commands, const F
   constexpr VkDeviceSize kBytes = sizeof(kernels::ResidualRecord);
   for (const FrameStep& step : plan.steps) {
     if (step.kind != FrameStep::Kind::dispatch || step.kernel != StepKernel::residual) continue;
-    state.functions.cmd_fill_buffer(commands, residuals.buffer, residuals.offset + step.system * kBytes,
-                                    kBytes, 0);
+    for (std::uint32_t lighting = 0; lighting < state.layout.lightings; ++lighting) {
+      const VkDeviceSize record = VkDeviceSize{lighting} * state.layout.systems + step.system;
+      state.functions.cmd_fill_buffer(commands, residuals.buffer, residuals.offset + record * kBytes, kBytes,
+                                      0);
+    }
   }
 }
 
@@ -158,7 +186,8 @@ void clear_residuals(const SolverState& state, VkCommandBuffer commands, const F
 void record_inputs(const SolverState& state, VkCommandBuffer commands, FrameRecorder& record,
                    const FrameInputs& inputs) {
   for (const InputCopy& copy : inputs.copies) {
-    record.copy(copy.source, input_range(state, copy.system, copy.quantity), copy.first * kRgbBytes);
+    record.copy(copy.source, input_range(state, copy.system, copy.quantity, copy.lighting),
+                copy.first * kRgbBytes);
   }
   record.write_first_senders(*inputs.plan);
   clear_residuals(state, commands, *inputs.plan);
@@ -181,6 +210,7 @@ void record_publish(const SolverState& state, VkCommandBuffer commands, FrameRec
   for (const IrradianceTarget& target : outputs.irradiance) {
     if (target.system != system) continue;
     BufferRange source = loaded.ranges[kIrradiance];
+    source.offset += target.lighting * loaded.layout.irradiance_plane.step;
     source.byte_size = std::min(target.target.byte_size, loaded.layout.gather_rows * kRgbBytes);
     record.copy(source, target.target, 0);
   }
@@ -189,16 +219,21 @@ void record_publish(const SolverState& state, VkCommandBuffer commands, FrameRec
 
 }  // namespace
 
-BufferRange input_range(const SolverState& state, std::uint32_t system, Quantity quantity) {
+BufferRange input_range(const SolverState& state, std::uint32_t system, Quantity quantity,
+                        std::uint32_t lighting) {
+  if (lighting >= state.layout.lightings) return {};
   if (quantity == Quantity::sky) {
     const BufferRange& senders = state.ranges[kRadiosity];
-    return {senders.buffer, senders.offset, state.layout.sky_patches * kRgbBytes};
+    return {senders.buffer, senders.offset + lighting * state.layout.radiosity_plane.step,
+            state.layout.sky_patches * kRgbBytes};
   }
   if (system >= state.systems.size() || !state.systems[system]) return {};
   constexpr std::array<SystemBuffer, 4> kBuffers = {kAlbedo, kExitance, kDirect, kWeights};
   const LoadedSystem& loaded = *state.systems[system];
   const BufferRange& range = loaded.ranges[kBuffers[static_cast<std::size_t>(quantity)]];
-  return {range.buffer, range.offset, loaded.layout.clusters * kRgbBytes};
+  const bool of_lighting = quantity == Quantity::exitance || quantity == Quantity::direct;
+  return {range.buffer, range.offset + (of_lighting ? lighting * loaded.layout.clusters_plane.step : 0),
+          loaded.layout.clusters * kRgbBytes};
 }
 
 Result<void> check_frame(const SolverState& state, const FrameInputs& inputs, const FrameOutputs& outputs) {
@@ -206,7 +241,8 @@ Result<void> check_frame(const SolverState& state, const FrameInputs& inputs, co
   if (inputs.plan == nullptr) return fail(ErrorCode::usage, "record_frame needs a plan");
   if (auto checked = check_active(state, *inputs.plan); !checked) return checked;
   for (const InputCopy& copy : inputs.copies) {
-    const BufferRange target = input_range(state, copy.system, copy.quantity);
+    if (auto known = check_lighting_number(state, copy.lighting); !known) return known;
+    const BufferRange target = input_range(state, copy.system, copy.quantity, copy.lighting);
     if (!inside(copy.source, copy.first * kRgbBytes, target)) {
       return fail(ErrorCode::usage, "an input copy of " + std::to_string(copy.source.byte_size) +
                                         " bytes from element " + std::to_string(copy.first) +
@@ -214,7 +250,10 @@ Result<void> check_frame(const SolverState& state, const FrameInputs& inputs, co
                                         ", which has " + std::to_string(target.byte_size) + " bytes");
     }
   }
-  const VkDeviceSize report = state.layout.systems * sizeof(kernels::ResidualRecord);
+  for (const IrradianceTarget& target : outputs.irradiance) {
+    if (auto known = check_lighting_number(state, target.lighting); !known) return known;
+  }
+  const VkDeviceSize report = state.layout.residual_bytes();
   if (outputs.report.buffer != VK_NULL_HANDLE && outputs.report.byte_size < report) {
     return fail(ErrorCode::usage, "the report needs " + std::to_string(report) + " bytes, found " +
                                       std::to_string(outputs.report.byte_size));
@@ -230,8 +269,10 @@ void record_checked_frame(const SolverState& state, VkCommandBuffer commands, co
   FrameRecorder record(state, commands, *inputs.plan);
   record.barrier();
   record_inputs(state, commands, record, inputs);
+  const FrameStep* before = nullptr;
   for (const FrameStep& step : inputs.plan->steps) {
-    if (step.barrier_before) record.barrier();
+    if (step.barrier_before || (before != nullptr && record.overlap(*before, step))) record.barrier();
+    before = &step;
     if (step.kind == FrameStep::Kind::publish) {
       record_publish(state, commands, record, step.system, outputs);
     } else {
@@ -241,7 +282,7 @@ void record_checked_frame(const SolverState& state, VkCommandBuffer commands, co
   record.barrier();
   if (outputs.report.buffer == VK_NULL_HANDLE) return;
   BufferRange residuals = state.ranges[kResiduals];
-  residuals.byte_size = state.layout.systems * sizeof(kernels::ResidualRecord);
+  residuals.byte_size = state.layout.residual_bytes();
   record.copy(residuals, outputs.report, 0);
   record.barrier();
 }

@@ -83,8 +83,13 @@ relume_status relume_light_cache_bind(relume_light_cache* cache, relume_allocate
 relume_status relume_light_cache_keep(const relume_light_cache* cache, VkCommandBuffer commands,
                                       uint32_t light, relume_error* error);
 
+/* The same of another lighting of a solver of several, which does so many lights at a time. */
+relume_status relume_light_cache_keep_of(const relume_light_cache* cache, VkCommandBuffer commands,
+                                         uint32_t light, uint32_t lighting, relume_error* error);
+
 /* Records the irradiance of lights of these colours times intensities, three floats each, from the first on;
- * all of them have been kept, the others are off. Both begin and end with COMPUTE_SHADER and TRANSFER work.
+ * all of them have been kept, the others are off. All three begin and end with COMPUTE_SHADER and TRANSFER
+ * work.
  */
 relume_status relume_light_cache_combine(const relume_light_cache* cache, VkCommandBuffer commands,
                                          const float* colors, uint32_t count, relume_error* error);

@@ -104,8 +104,8 @@ Result<RoomTables> room_tables(const Model& model, const RoomWeights& weights) {
   return tables;
 }
 
-std::vector<BufferRequirement> room_buffers(const RoomTables& tables) {
-  const VkDeviceSize sums = sum_count(tables);
+std::vector<BufferRequirement> room_buffers(const RoomTables& tables, std::uint32_t lightings) {
+  const VkDeviceSize sums = sum_count(tables) * lightings;
   const auto buffer = [](const char* name, VkDeviceSize bytes) {
     BufferRequirement needed =
         storage_requirement(name, std::max<VkDeviceSize>(bytes, sizeof(kernels::uvec4)));
@@ -118,12 +118,12 @@ std::vector<BufferRequirement> room_buffers(const RoomTables& tables) {
           buffer("room sums", sums * sizeof(kernels::vec4))};
 }
 
-UploadData room_upload(const RoomTables& tables) {
+UploadData room_upload(const RoomTables& tables, std::uint32_t lightings) {
   UploadData data;
   data.add_owned(kRoomSegments, 0, owned_bytes(tables.segments));
   data.add_owned(kRoomEntries, 0, owned_bytes(tables.entries));
   data.add_owned(kRoomOfCluster, 0, owned_bytes(tables.room_of_cluster));
-  data.add_owned(kRoomSums, 0, std::vector<std::byte>(sum_count(tables) * sizeof(kernels::vec4)));
+  data.add_owned(kRoomSums, 0, std::vector<std::byte>(sum_count(tables) * lightings * sizeof(kernels::vec4)));
   return data;
 }
 

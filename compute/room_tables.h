@@ -40,9 +40,10 @@ struct RoomTables {
 /// other clusters, or of more than kMaxDeviceRooms rooms.
 Result<RoomTables> room_tables(const Model& model, const RoomWeights& weights);
 
-std::vector<BufferRequirement> room_buffers(const RoomTables& tables);
+/// For SolverOptions::lightings.
+std::vector<BufferRequirement> room_buffers(const RoomTables& tables, std::uint32_t lightings = 1);
 
 /// Refers to nothing; has no targets.
-UploadData room_upload(const RoomTables& tables);
+UploadData room_upload(const RoomTables& tables, std::uint32_t lightings);
 
 }  // namespace relume

@@ -64,15 +64,18 @@ std::vector<kernels::uvec4> import_records(const Model& model, const System& sys
   return records;
 }
 
-void add_stored_lighting(UploadData& data, const System& system) {
+void add_stored_lighting(UploadData& data, const System& system, const SystemLayout& layout) {
   std::vector<Rgb> albedo, exitance;
   for (const Cluster& cluster : system.clusters) {
     albedo.emplace_back(cluster.albedo[0], cluster.albedo[1], cluster.albedo[2]);
     exitance.emplace_back(cluster.exitance[0], cluster.exitance[1], cluster.exitance[2]);
   }
   data.add_owned(kAlbedo, 0, rgb_bytes(albedo));
-  data.add_owned(kExitance, 0, rgb_bytes(exitance));
-  data.add_owned(kDirect, 0, rgb_bytes(std::vector<Rgb>(albedo.size(), Rgb(0.0))));
+  for (std::uint32_t lighting = 0; lighting < layout.lightings; ++lighting) {
+    const VkDeviceSize offset = lighting * layout.clusters_plane.step;
+    data.add_owned(kExitance, offset, rgb_bytes(exitance));
+    data.add_owned(kDirect, offset, rgb_bytes(std::vector<Rgb>(albedo.size(), Rgb(0.0))));
+  }
   data.add_owned(kWeights, 0, rgb_bytes(std::vector<Rgb>(albedo.size(), Rgb(1.0))));
 }
 
@@ -99,11 +102,13 @@ std::vector<std::byte> rgb_bytes(std::span<const Rgb> values) {
   return owned_bytes(converted);
 }
 
-UploadData model_upload(const Model& model) {
+UploadData model_upload(const Model& model, const SolverLayout& layout) {
   UploadData data;
-  data.add_owned(kRadiosity, 0, rgb_bytes(std::vector<Rgb>(model.sky_cells.size(), Rgb(0.0))));
+  for (std::uint32_t lighting = 0; lighting < layout.lightings; ++lighting)
+    data.add_owned(kRadiosity, lighting * layout.radiosity_plane.step,
+                   rgb_bytes(std::vector<Rgb>(model.sky_cells.size(), Rgb(0.0))));
   add_nodes(data, kSkyNodes, kSkyParts, model.sky_tree, model.sky_cells.size());
-  data.add_owned(kProbeCoefficients, 0, std::vector<std::byte>(model.probe_names.size() * kProbeBytes));
+  data.add_owned(kProbeCoefficients, 0, std::vector<std::byte>(layout.probes_plane.step * layout.lightings));
   return data;
 }
 
@@ -112,10 +117,11 @@ UploadData system_upload(const Model& model, std::uint32_t index, const SystemLa
   UploadData data;
   data.add_owned(kImports, 0, owned_bytes(import_records(model, system)));
   add_nodes(data, kNodes, kNodeParts, system.tree, system.clusters.size());
-  add_stored_lighting(data, system);
+  add_stored_lighting(data, system, layout);
   add_blocks(data, system.bounce, layout.bounce);
   add_blocks(data, system.gather, layout.gather);
-  if (layout.directional) data.add_owned(kIrradiance, 0, std::vector<std::byte>(layout.irradiance_bytes()));
+  if (layout.directional)
+    data.add_owned(kIrradiance, 0, std::vector<std::byte>(layout.irradiance_plane.step * layout.lightings));
   for (const ProbeBlockLayout& block : layout.probes) add_probes(data, system, block);
   return data;
 }

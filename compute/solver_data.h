@@ -14,11 +14,12 @@
 
 namespace relume {
 
-/// Nodes and weights of the sky, a black sky, and probes that know nothing; buffers by SolveBuffer.
-UploadData model_upload(const Model& model);
+/// Nodes and weights of the sky, a black sky, and probes that know nothing; buffers by SolveBuffer, as in the
+/// layout.
+UploadData model_upload(const Model& model, const SolverLayout& layout);
 
-/// Imports, nodes, matrices, and albedo and exitance as stored; no direct light, weights of 1. Refers to
-/// `model`. Buffers as in the layout.
+/// Imports, nodes, matrices, and albedo and, in every lighting, exitance as stored; no direct light, weights
+/// of 1. Refers to `model`. Buffers as in the layout.
 UploadData system_upload(const Model& model, std::uint32_t system, const SystemLayout& layout);
 
 /// RGB values as the device stores them.

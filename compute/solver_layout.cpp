@@ -86,14 +86,22 @@ std::vector<BlockLayout> matrix_layout(const BlockMatrix& matrix, const std::str
   return blocks;
 }
 
+/// A single lighting needs no room behind it.
+LightingPlane lighting_plane(VkDeviceSize byte_size, const LayoutLimits& limits) {
+  return {byte_size, limits.lightings == 1 ? byte_size : align_up(byte_size, limits.alignment)};
+}
+
 /// In the order of SystemBuffer.
 void add_system_buffers(const SystemLayout& layout, BufferList& buffers) {
   const VkDeviceSize records = VkDeviceSize{layout.imports} + layout.import_parts;
   buffers.add("imports", records * sizeof(kernels::uvec4));
-  buffers.add("local radiosity", layout.imports * (layout.half_senders ? kHalfRgbBytes : kRgbBytes));
-  buffers.add("irradiance", layout.irradiance_bytes());
-  for (const char* name : {"albedo", "exitance", "direct", "weights"})
-    buffers.add(name, layout.clusters * kRgbBytes);
+  buffers.add("local radiosity",
+              layout.imports * layout.lightings * (layout.half_senders ? kHalfRgbBytes : kRgbBytes));
+  buffers.add("irradiance", layout.irradiance_plane.step * layout.lightings);
+  buffers.add("albedo", layout.clusters * kRgbBytes);
+  for (const char* name : {"exitance", "direct"})
+    buffers.add(name, layout.clusters_plane.step * layout.lightings);
+  buffers.add("weights", layout.clusters * kRgbBytes);
   buffers.add("nodes", layout.nodes * sizeof(kernels::uvec4));
   buffers.add("node parts", layout.node_parts * kNodePartBytes);
 }
@@ -123,12 +131,12 @@ void add_probe_buffers(std::vector<ProbeBlockLayout>& blocks, BufferList& buffer
 
 /// In the order of SolveBuffer.
 void add_solve_buffers(const SolverLayout& layout, BufferList& buffers) {
-  buffers.add("radiosity", (VkDeviceSize{layout.sky_places()} + layout.system_places()) * kRgbBytes);
+  buffers.add("radiosity", layout.radiosity_plane.step * layout.lightings);
   buffers.add("first sender", (VkDeviceSize{layout.systems} + 1) * sizeof(std::uint32_t));
-  buffers.add("residuals", layout.systems * sizeof(kernels::ResidualRecord));
+  buffers.add("residuals", layout.residual_bytes());
   buffers.add("sky nodes", layout.sky_nodes * sizeof(kernels::uvec4));
   buffers.add("sky node parts", layout.sky_node_parts * kNodePartBytes);
-  buffers.add("probe coefficients", layout.probes * kProbeBytes);
+  buffers.add("probe coefficients", layout.probes_plane.step * layout.lightings);
 }
 
 Result<void> check_sizes(const std::vector<BufferRequirement>& buffers, VkDeviceSize max_range) {
@@ -148,6 +156,10 @@ std::uint32_t count(std::size_t elements) {
 
 }  // namespace
 
+VkDeviceSize SolverLayout::residual_bytes() const {
+  return VkDeviceSize{lightings} * systems * sizeof(kernels::ResidualRecord);
+}
+
 std::uint32_t loaded_senders(const Model& model) {
   std::size_t senders = 0;
   for (const System& system : model.systems) senders += system.clusters.size() + system.tree.nodes.size();
@@ -164,6 +176,10 @@ Result<SolverLayout> solver_layout(const Model& model, std::uint32_t sender_capa
   layout.probes = count(model.probe_names.size());
   layout.sender_capacity = sender_capacity;
   layout.sender_step = static_cast<std::uint32_t>(std::max<VkDeviceSize>(limits.alignment / kRgbBytes, 1));
+  layout.lightings = limits.lightings;
+  const VkDeviceSize places = VkDeviceSize{layout.sky_places()} + layout.system_places();
+  layout.radiosity_plane = lighting_plane(places * kRgbBytes, limits);
+  layout.probes_plane = lighting_plane(layout.probes * kProbeBytes, limits);
   BufferList buffers(layout.buffers, "", limits.alignment);
   add_solve_buffers(layout, buffers);
   if (auto checked = check_sizes(layout.buffers, limits.max_range); !checked) {
@@ -185,6 +201,10 @@ Result<SystemLayout> system_layout(const Model& model, std::uint32_t index, cons
   layout.gather_rows = system.gather.rows;
   layout.directional = is_directional(system);
   layout.half_senders = limits.half_senders;
+  layout.lightings = limits.lightings;
+  layout.clusters_plane = lighting_plane(layout.clusters * kRgbBytes, limits);
+  layout.irradiance_plane =
+      lighting_plane(layout.gather_rows * (kRgbBytes + (layout.directional ? kMomentBytes : 0)), limits);
   BufferList buffers(layout.buffers, "system " + std::to_string(index) + " ", limits.alignment);
   add_system_buffers(layout, buffers);
   layout.bounce = matrix_layout(system.bounce, "bounce", limits.alignment, buffers);
@@ -206,11 +226,20 @@ std::uint32_t SolverLayout::system_places() const {
       align_up(2 * VkDeviceSize{sender_capacity} + VkDeviceSize{systems} * (sender_step - 1), sender_step));
 }
 
+BufferRange radiosity_part(const SolverLayout& layout, const BufferRange& radiosity, std::uint32_t first,
+                           std::uint32_t count) {
+  const VkDeviceSize planes = (layout.lightings - 1) * layout.radiosity_plane.step;
+  if (count == 0) return {radiosity.buffer, radiosity.offset, kRgbBytes};
+  return {radiosity.buffer, radiosity.offset + first * kRgbBytes, planes + count * kRgbBytes};
+}
+
 VkDeviceSize largest_texel_buffer(const SolverLayout& solver, const SystemLayout& layout) {
-  const VkDeviceSize senders = VkDeviceSize{solver.sky_places()} + solver.system_places();
+  const VkDeviceSize senders = solver.radiosity_plane.step * solver.lightings / kRgbBytes;
+  const VkDeviceSize clusters = layout.clusters_plane.step * layout.lightings / kRgbBytes;
   const VkDeviceSize imports = VkDeviceSize{layout.imports} + layout.import_parts;
+  const VkDeviceSize imported = VkDeviceSize{layout.imports} * layout.lightings;
   const VkDeviceSize parts = layout.node_parts;
-  VkDeviceSize bytes = std::max({senders, imports, parts}) * sizeof(std::uint32_t);
+  VkDeviceSize bytes = std::max({senders, clusters, imports, imported, parts}) * sizeof(std::uint32_t);
   for (const auto* blocks : {&layout.bounce, &layout.gather}) {
     for (const BlockLayout& block : *blocks) {
       for (const BlockSection& section : block.sections) bytes = std::max(bytes, section.byte_size);

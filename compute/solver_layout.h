@@ -22,6 +22,7 @@ struct LayoutLimits {
   VkDeviceSize max_range = VkDeviceSize{128} << 20;  ///< maxStorageBufferRange
   VkDeviceSize alignment = 256;                      ///< of storage and texel buffer offsets, a power of two
   bool half_senders = false;                         ///< imports are kept in half precision
+  std::uint32_t lightings = 1;                       ///< SolverOptions::lightings
 };
 
 /// Buffers of the whole solve. The first ones are the bindings of kSolveSet, in their order.
@@ -76,6 +77,13 @@ struct ProbeBlockLayout {
   std::uint32_t first_buffer = 0;  ///< of the system: its kProbeLists
 };
 
+/// What each lighting has of its own in a buffer: planes of equal size, one lighting after the other, aligned
+/// so that each can be bound. (The local radiosity has those of a sender side by side, and is no such.)
+struct LightingPlane {
+  VkDeviceSize byte_size = 0;  ///< what is used of it
+  VkDeviceSize step = 0;       ///< bytes from one lighting to the next
+};
+
 struct SystemLayout {
   std::uint32_t clusters = 0;
   std::uint32_t nodes = 0;
@@ -85,13 +93,13 @@ struct SystemLayout {
   std::uint32_t gather_rows = 0;
   bool directional = false;   ///< the gather matrix has directions
   bool half_senders = false;  ///< see LayoutLimits
+  std::uint32_t lightings = 1;
+  LightingPlane clusters_plane;    ///< of exitance and direct
+  LightingPlane irradiance_plane;  ///< irradiance per gather row, then three moments per gather row
   std::vector<BufferRequirement> buffers;
   std::vector<BlockLayout> bounce;
   std::vector<BlockLayout> gather;
   std::vector<ProbeBlockLayout> probes;
-
-  /// Of the irradiance buffer: irradiance per gather row, then three moments per gather row.
-  VkDeviceSize irradiance_bytes() const;
 
   /// Of one half of its radiosity.
   std::uint32_t senders() const { return clusters + nodes; }
@@ -104,16 +112,28 @@ struct SolverLayout {
   std::uint32_t sky_node_parts = 0;   ///< of all nodes together
   std::uint32_t probes = 0;           ///< of all systems
   std::uint32_t sender_capacity = 0;  ///< senders of all systems that are loaded at a time, in one half
+  std::uint32_t lightings = 1;
+  LightingPlane radiosity_plane;
+  LightingPlane probes_plane;
   std::vector<BufferRequirement> buffers;
 
-  std::uint32_t sender_step = 1;  ///< what a system's first place in the radiosity buffer is a multiple of
+  std::uint32_t sender_step = 1;  ///< what a system's first place is a multiple of
 
   std::uint32_t sky_senders() const { return sky_patches + sky_nodes; }
 
-  /// Places in the radiosity buffer: the sky comes first, then room for two halves of every sender.
+  /// Places in a plane of the radiosity buffer: the sky comes first, then room for two halves of every
+  /// sender.
   std::uint32_t sky_places() const;
   std::uint32_t system_places() const;
+
+  /// Of the records of all lightings: per system, lighting after lighting.
+  VkDeviceSize residual_bytes() const;
 };
+
+/// Of the radiosity buffer, from place `first` on in the plane of the first lighting to the end of `count`
+/// places in that of the last; never empty, as what is bound cannot be.
+BufferRange radiosity_part(const SolverLayout& layout, const BufferRange& radiosity, std::uint32_t first,
+                           std::uint32_t count);
 
 /// Bytes of an RGB quantity per element on the device (vec4).
 inline constexpr VkDeviceSize kRgbBytes = 16;
@@ -123,10 +143,6 @@ inline constexpr VkDeviceSize kHalfRgbBytes = 8;
 
 /// Bytes of the moments of a gather row.
 inline constexpr VkDeviceSize kMomentBytes = 3 * kRgbBytes;
-
-inline VkDeviceSize SystemLayout::irradiance_bytes() const {
-  return gather_rows * (kRgbBytes + (directional ? kMomentBytes : 0));
-}
 
 /// Bytes of the coefficients of a probe.
 inline constexpr VkDeviceSize kProbeBytes = kernels::kProbeHarmonics * kRgbBytes;

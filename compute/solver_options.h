@@ -37,10 +37,14 @@ struct RowKernelChoice {
   friend bool operator==(const RowKernelChoice&, const RowKernelChoice&) = default;
 };
 
+/// Lightings that a solver does at once, at most.
+inline constexpr std::uint32_t kMaxLightings = 4;
+
 struct SolverOptions {
   /// Nothing: tile_shuffle where the device can, else tile_shared. KernelTrials finds the fastest.
   std::optional<RowKernel> kernel{};
-  /// No dispatch has more, unless a single row has: about 10 ms on two cores of a processor.
+  /// No dispatch has more, unless a single row has: about 10 ms on two cores of a processor. A form factor
+  /// counts once for each lighting.
   std::uint64_t max_dispatch_form_factors = 4'000'000;
   /// Nothing: texels, for systems whose blocks fit texel buffers of the device (maxTexelBufferElements).
   std::optional<MatrixFetch> fetch{};
@@ -52,6 +56,8 @@ struct SolverOptions {
   /// surface or sky patch may have more, what has counts as this; what is below 2^-28 of it is black. Each
   /// product is off by up to 2^-11 of itself, of which bounds of plans know nothing.
   double half_senders_up_to = 0.0;
+  /// Of one model, 1 to kMaxLightings: see "Several lightings" in gpu_solver.h.
+  std::uint32_t lightings = 1;
 };
 
 }  // namespace relume

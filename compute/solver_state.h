@@ -65,7 +65,8 @@ void unload_system(SolverState& state, std::uint32_t system);
 Result<void> add_pipelines(Pipelines& pipelines, const SystemDispatches& dispatches, RowKernel row_kernel);
 Result<void> load_rooms(SolverState& state, const RoomTables& tables, std::span<const BufferRange> ranges);
 void unload_rooms(SolverState& state);
-BufferRange input_range(const SolverState& state, std::uint32_t system, Quantity quantity);
+BufferRange input_range(const SolverState& state, std::uint32_t system, Quantity quantity,
+                        std::uint32_t lighting);
 Result<void> check_frame(const SolverState& state, const FrameInputs& inputs, const FrameOutputs& outputs);
 void record_checked_frame(const SolverState& state, VkCommandBuffer commands, const FrameInputs& inputs,
                           const FrameOutputs& outputs);

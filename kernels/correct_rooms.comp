@@ -13,8 +13,9 @@ void main() {
   for (uint cluster = gl_GlobalInvocationID.x; cluster < range.count; cluster += step_size) {
     const uint room = room_of_cluster[range.block_row + cluster];
     if (room == kNoRoom) continue;
+    const uint sender = in_lighting(range.first_sender) + cluster;
     const vec3 corrected =
-        radiosity[range.first_sender + cluster].rgb + albedo[cluster].rgb * room_sums[room].rgb;
-    radiosity[range.first_sender + cluster] = vec4(clamp(corrected, vec3(0.0), vec3(most)), 0.0);
+        radiosity[sender].rgb + albedo[cluster].rgb * room_sums[first_room() + room].rgb;
+    radiosity[sender] = vec4(clamp(corrected, vec3(0.0), vec3(most)), 0.0);
   }
 }

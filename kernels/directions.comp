@@ -30,7 +30,7 @@ void sum_lane(uint row, bool inside, uint lane) {
   const uint end = inside ? end_entry(row) : 0u;
   for (uint entry = inside ? first_entry(row) + lane : 0u; entry < end; entry += kLanes) {
     const uint index = entry * kTileRows + row % kTileRows;
-    precise const vec3 arriving = code_at(index) * scaled_radiosity_of(column_of(entry));
+    precise const vec3 arriving = code_at(index) * scaled_radiosity_of(gl_WorkGroupID.z, column_of(entry));
     const vec3 direction = direction_at(index);
     for (uint axis = 0u; axis < kAxes; ++axis) {
       precise const vec3 term = direction[axis] * arriving;
@@ -58,6 +58,7 @@ void main() {
   barrier();
   if (!inside || lane >= kAxes) return;
   precise const vec3 sum = sum_of_lanes(lane * kWorkgroupSize + first) * (1.0 / 511.0);
-  const uint rows = uint(irradiance_of_row.length()) / (1u + kAxes);
-  irradiance_of_row[rows + kAxes * (range.block_row + row) + lane] = vec4(scaled(row, sum), 0.0);
+  precise const vec3 moment = sum * scale_of_sum(row);
+  const uint first_moment = first_of_lighting(gl_WorkGroupID.z, irradiance_of_row.length()) + range.block_row;
+  irradiance_of_row[first_moment + kAxes * row + lane] = vec4(moment, 0.0);
 }

@@ -6,6 +6,7 @@
 #extension GL_GOOGLE_include_directive : require
 
 #include "include/fetch.glsl"
+#include "include/lightings.glsl"
 #include "include/radiosity.glsl"
 #include "include/range.glsl"
 #include "include/sender_format.glsl"
@@ -32,11 +33,12 @@ uint first_sender(uint system) {
   return first_sender_of[system];
 }
 
-vec3 radiosity_of(uint system, uint sender) {
+vec3 radiosity_of(uint lighting, uint system, uint sender) {
   const uint first = first_sender(system);
   if (first == kNotLoaded) return vec3(0.0);
-  if (kFetch == kFetchTexels) return texelFetch(radiosity_texels, int(first + sender)).rgb;
-  return radiosity[first + sender].rgb;
+  const uint index = first_of_lighting(lighting, radiosity.length()) + first + sender;
+  if (kFetch == kFetchTexels) return texelFetch(radiosity_texels, int(index)).rgb;
+  return radiosity[index].rgb;
 }
 
 uvec4 import_record(uint index) {
@@ -47,13 +49,15 @@ uvec4 import_record(uint index) {
 /// No node has as many.
 const uint kMostParts = 0xffffffffu;
 
-vec3 sum_of_parts(uint first) {
-  precise vec3 sum = vec3(0.0);
+mat4x3 sums_of_parts(uint first) {
+  precise mat4x3 sum = mat4x3(0.0);
   uint next = first;
   for (uint k = 0u; k < kMostParts; ++k) {
     const uvec4 part = import_record(next);
-    precise vec3 term = uintBitsToFloat(part.z) * radiosity_of(part.x, part.y);
-    sum = sum + term;
+    for (uint lighting = 0u; lighting < kLightings; ++lighting) {
+      precise vec3 term = uintBitsToFloat(part.z) * radiosity_of(lighting, part.x, part.y);
+      sum[lighting] = sum[lighting] + term;
+    }
     next = part.w;
     if (next == 0u) break;
   }
@@ -78,7 +82,9 @@ void main() {
   uint index = gl_GlobalInvocationID.x;
   if (index >= range.count) return;
   do {
-    keep_radiosity(index, sum_of_parts(index));
+    const mat4x3 sum = sums_of_parts(index);
+    for (uint lighting = 0u; lighting < kLightings; ++lighting)
+      keep_radiosity(index * kLightings + lighting, sum[lighting]);
     index += gl_NumWorkGroups.x * kWorkgroupSize;
   } while (index < range.count);
 }

@@ -15,12 +15,12 @@ void main() {
   const uint index = gl_WorkGroupID.x * kWorkgroupSize + first_of_lanes() + lane;
   const bool inside = index < range.count;
   const uvec4 own = inside ? node_record(range.first_row + index) : uvec4(0u);
-  vec3 sums[kLanes];
+  mat4x3 sums[kLanes];
   for (uint i = 0u; i < kLanes; ++i) {
     const uint holder = gl_SubgroupInvocationID - lane + i;
     const uvec4 node = uvec4(subgroupShuffle(own.xyz, holder), 0u);
-    sums[i] = sum_of_parts(node, lane, kLanes);
+    sums[i] = sums_of_parts(node, lane, kLanes);
   }
-  const vec3 mean = sum_of_lanes(sums, lane);
+  const mat4x3 mean = sums_of_lanes(sums, lane);
   if (inside) write_node(own, mean);
 }

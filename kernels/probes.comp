@@ -29,7 +29,7 @@ void add_sender(uint entry, inout precise vec3 sums[kProbeHarmonics]) {
   const float solid_angle = uintBitsToFloat(probe_senders[at + 1u]);
   const vec3 direction = vec3(uintBitsToFloat(probe_senders[at + 2u]), uintBitsToFloat(probe_senders[at + 3u]),
                               uintBitsToFloat(probe_senders[at + 4u]));
-  precise const vec3 arriving = solid_angle * scaled_radiosity_of(probe_senders[at]);
+  precise const vec3 arriving = solid_angle * scaled_radiosity_of(gl_WorkGroupID.z, probe_senders[at]);
   float y[kProbeHarmonics];
   mean_harmonics(direction, y);
   for (uint h = 0u; h < kProbeHarmonics; ++h) {
@@ -66,9 +66,10 @@ void main() {
   memoryBarrierShared();
   barrier();
   if (!inside) return;
-  const uint probe = probe_lists[list + 2u];
+  const uint first_coefficient = first_of_lighting(gl_WorkGroupID.z, coefficients.length()) +
+                                 probe_lists[list + 2u] * kProbeHarmonics;
   for (uint h = lane; h < kProbeHarmonics; h += kLanes) {
     precise const vec3 value = (kInversePi / kSenderScale) * sum_of_lanes(h * kWorkgroupSize + first);
-    coefficients[probe * kProbeHarmonics + h] = vec4(value, 0.0);
+    coefficients[first_coefficient + h] = vec4(value, 0.0);
   }
 }

@@ -4,6 +4,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 
+#include "include/lightings.glsl"
 #include "include/radiosity.glsl"
 #include "include/range.glsl"
 
@@ -24,8 +25,9 @@ void raise_group_maxima(uint first, vec3 values) {
 }
 
 void raise_maxima_of(uint cluster) {
-  const vec3 after = abs(radiosity[range.first_sender + cluster].rgb);
-  const vec3 before = abs(radiosity[range.first_row + cluster].rgb);
+  const uint first = first_of_lighting(gl_WorkGroupID.z, radiosity.length());
+  const vec3 after = abs(radiosity[first + range.first_sender + cluster].rgb);
+  const vec3 before = abs(radiosity[first + range.first_row + cluster].rgb);
   const vec3 change = abs(after - before);
   raise_group_maxima(0u, change / weights[cluster].rgb);
   raise_group_maxima(3u, change);
@@ -34,18 +36,19 @@ void raise_maxima_of(uint cluster) {
 }
 
 void raise_record() {
-  atomicMax(residuals[range.block_row].weighted_change.x, group_maxima[0]);
-  atomicMax(residuals[range.block_row].weighted_change.y, group_maxima[1]);
-  atomicMax(residuals[range.block_row].weighted_change.z, group_maxima[2]);
-  atomicMax(residuals[range.block_row].change.x, group_maxima[3]);
-  atomicMax(residuals[range.block_row].change.y, group_maxima[4]);
-  atomicMax(residuals[range.block_row].change.z, group_maxima[5]);
-  atomicMax(residuals[range.block_row].weighted_radiosity.x, group_maxima[6]);
-  atomicMax(residuals[range.block_row].weighted_radiosity.y, group_maxima[7]);
-  atomicMax(residuals[range.block_row].weighted_radiosity.z, group_maxima[8]);
-  atomicMax(residuals[range.block_row].radiosity.x, group_maxima[9]);
-  atomicMax(residuals[range.block_row].radiosity.y, group_maxima[10]);
-  atomicMax(residuals[range.block_row].radiosity.z, group_maxima[11]);
+  const uint record = first_of_lighting(gl_WorkGroupID.z, residuals.length()) + range.block_row;
+  atomicMax(residuals[record].weighted_change.x, group_maxima[0]);
+  atomicMax(residuals[record].weighted_change.y, group_maxima[1]);
+  atomicMax(residuals[record].weighted_change.z, group_maxima[2]);
+  atomicMax(residuals[record].change.x, group_maxima[3]);
+  atomicMax(residuals[record].change.y, group_maxima[4]);
+  atomicMax(residuals[record].change.z, group_maxima[5]);
+  atomicMax(residuals[record].weighted_radiosity.x, group_maxima[6]);
+  atomicMax(residuals[record].weighted_radiosity.y, group_maxima[7]);
+  atomicMax(residuals[record].weighted_radiosity.z, group_maxima[8]);
+  atomicMax(residuals[record].radiosity.x, group_maxima[9]);
+  atomicMax(residuals[record].radiosity.y, group_maxima[10]);
+  atomicMax(residuals[record].radiosity.z, group_maxima[11]);
 }
 
 void main() {

@@ -33,11 +33,12 @@ vec3 radiosity_at(uint sender) {
 void main() {
   const uint lane = gl_LocalInvocationIndex;
   const uvec4 segment = segments[range.block_row + gl_WorkGroupID.x];
+  const uint after = in_lighting(range.first_sender), before = in_lighting(range.first_row);
   precise vec3 reflected = vec3(0.0), changed = vec3(0.0);
   for (uint i = segment.x + lane; i < segment.x + segment.y; i += kWorkgroupSize) {
     const uvec2 entry = entry_at(i);
     const float weight = uintBitsToFloat(entry.y);
-    precise vec3 change = radiosity_at(range.first_sender + entry.x) - radiosity_at(range.first_row + entry.x);
+    precise vec3 change = radiosity_at(after + entry.x) - radiosity_at(before + entry.x);
     precise vec3 term = weight * albedo_at(entry.x);
     reflected = reflected + term;
     term = weight * change;

@@ -10,5 +10,5 @@ void main() {
   const uint index = gl_GlobalInvocationID.x;
   if (index >= range.count) return;
   const uvec4 node = node_record(range.first_row + index);
-  write_node(node, sum_of_parts(node, 0u, 1u));
+  write_node(node, sums_of_parts(node, 0u, 1u));
 }

@@ -66,5 +66,5 @@ void main() {
   vec4 irradiance = vec4(0.0);
   for (uint channel = 0u; channel < 3u; ++channel)
     irradiance[channel] = right[channel * kMaxRooms + row] * inverse_pivot(channel, row);
-  room_sums[row] = irradiance;
+  room_sums[first_room() + row] = irradiance;
 }

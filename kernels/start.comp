@@ -9,12 +9,13 @@
 #include "include/range.glsl"
 
 void main() {
+  const uint lighting = gl_WorkGroupID.z, first = first_of_lighting(lighting, radiosity.length());
   uint cluster = gl_GlobalInvocationID.x;
   if (cluster >= range.count) return;
   do {
-    const vec4 start = vec4(reflect_and_emit(cluster, vec3(0.0)), 0.0);
-    radiosity[range.first_row + cluster] = start;
-    radiosity[range.first_sender + cluster] = start;
+    const vec4 start = vec4(reflect_and_emit(lighting, cluster, vec3(0.0)), 0.0);
+    radiosity[first + range.first_row + cluster] = start;
+    radiosity[first + range.first_sender + cluster] = start;
     cluster += gl_NumWorkGroups.x * kWorkgroupSize;
   } while (cluster < range.count);
 }

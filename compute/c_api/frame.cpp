@@ -148,10 +148,11 @@ Result<void> record_frame(relume_solver& solver, VkCommandBuffer commands, const
   if (auto checked = check_frame(solver, frame); !checked) return checked;
   std::vector<InputCopy> copies;
   for (const relume_input_copy& copy : std::span(frame.copies, frame.copy_count))
-    copies.push_back({static_cast<Quantity>(copy.quantity), copy.system, copy.first, from_c(copy.source)});
+    copies.push_back(
+        {static_cast<Quantity>(copy.quantity), copy.system, copy.first, from_c(copy.source), copy.lighting});
   std::vector<IrradianceTarget> irradiance;
   for (const relume_irradiance_target& target : std::span(frame.irradiance, frame.irradiance_count))
-    irradiance.push_back({target.system, from_c(target.target)});
+    irradiance.push_back({target.system, from_c(target.target), target.lighting});
   std::vector<LightmapOutput> lightmaps;
   for (const relume_lightmap* lightmap : std::span(frame.lightmaps, frame.lightmap_count))
     lightmaps.push_back({lightmap->system, &lightmap->pass});
@@ -203,27 +204,50 @@ void relume_note_change(relume_solver* solver, uint32_t system, double change) {
 }
 
 relume_buffer_range relume_input(const relume_solver* solver, uint32_t system, relume_quantity quantity) {
-  const bool sky = quantity == RELUME_SKY && system == solver->model->systems.size();
-  if (!sky && !c_api::check_loaded(*solver, system)) return {};
-  return to_c(solver->solver.input(system, static_cast<Quantity>(quantity)));
+  return relume_input_of(solver, system, quantity, 0);
 }
 
 relume_buffer_range relume_radiosity(const relume_solver* solver, uint32_t system) {
-  if (!c_api::check_loaded(*solver, system)) return {};
-  return to_c(solver->solver.radiosity(system, solver->schedule.systems[system].half));
+  return relume_radiosity_of(solver, system, 0);
 }
 
 relume_buffer_range relume_irradiance(const relume_solver* solver, uint32_t system) {
-  if (!c_api::check_loaded(*solver, system)) return {};
-  return to_c(solver->solver.irradiance(system));
+  return relume_irradiance_of(solver, system, 0);
 }
 
 relume_buffer_range relume_directional_irradiance(const relume_solver* solver, uint32_t system) {
-  return to_c(solver->solver.directional_irradiance(system));
+  return relume_directional_irradiance_of(solver, system, 0);
 }
 
 relume_buffer_range relume_probe_coefficients(const relume_solver* solver) {
-  return to_c(solver->solver.probe_coefficients());
+  return relume_probe_coefficients_of(solver, 0);
+}
+
+relume_buffer_range relume_input_of(const relume_solver* solver, uint32_t system, relume_quantity quantity,
+                                    uint32_t lighting) {
+  const bool sky = quantity == RELUME_SKY && system == solver->model->systems.size();
+  if (!sky && !c_api::check_loaded(*solver, system)) return {};
+  return to_c(solver->solver.input(system, static_cast<Quantity>(quantity), lighting));
+}
+
+relume_buffer_range relume_radiosity_of(const relume_solver* solver, uint32_t system, uint32_t lighting) {
+  if (!c_api::check_loaded(*solver, system)) return {};
+  return to_c(solver->solver.radiosity(system, solver->schedule.systems[system].half, lighting));
+}
+
+relume_buffer_range relume_irradiance_of(const relume_solver* solver, uint32_t system, uint32_t lighting) {
+  if (!c_api::check_loaded(*solver, system)) return {};
+  return to_c(solver->solver.irradiance(system, lighting));
+}
+
+relume_buffer_range relume_directional_irradiance_of(const relume_solver* solver, uint32_t system,
+                                                     uint32_t lighting) {
+  if (!c_api::check_loaded(*solver, system)) return {};
+  return to_c(solver->solver.directional_irradiance(system, lighting));
+}
+
+relume_buffer_range relume_probe_coefficients_of(const relume_solver* solver, uint32_t lighting) {
+  return to_c(solver->solver.probe_coefficients(lighting));
 }
 
 relume_buffer_range relume_direct_irradiance(const relume_solver* solver, uint32_t system) {
@@ -272,7 +296,7 @@ int relume_lights_pending(const relume_solver* solver) {
 }
 
 VkDeviceSize relume_residual_bytes(const relume_solver* solver) {
-  return solver->model->systems.size() * sizeof(kernels::ResidualRecord);
+  return solver->solver.residuals().byte_size;
 }
 
 relume_residual relume_read_residual(const void* bytes, uint32_t system) {

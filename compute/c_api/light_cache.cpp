@@ -56,11 +56,20 @@ relume_status relume_light_cache_bind(relume_light_cache* cache, relume_allocate
 
 relume_status relume_light_cache_keep(const relume_light_cache* cache, VkCommandBuffer commands,
                                       uint32_t light, relume_error* error) {
+  return relume_light_cache_keep_of(cache, commands, light, 0, error);
+}
+
+relume_status relume_light_cache_keep_of(const relume_light_cache* cache, VkCommandBuffer commands,
+                                         uint32_t light, uint32_t lighting, relume_error* error) {
   return guarded(error, [&]() -> Result<void> {
     if (auto bound = c_api::check_bound(*cache, "relume_light_cache_keep"); !bound) return bound;
     if (auto ok = c_api::check_lights(*cache, "relume_light_cache_keep", light, cache->lights - 1); !ok)
       return ok;
-    cache->cache.record_keep(commands, light);
+    const BufferRange irradiance = cache->solver->solver.irradiance(cache->system, lighting);
+    if (irradiance.buffer == VK_NULL_HANDLE)
+      return fail(ErrorCode::usage,
+                  "relume_light_cache_keep_of: the solver has no lighting " + std::to_string(lighting));
+    cache->cache.record_keep(commands, light, irradiance);
     return {};
   });
 }

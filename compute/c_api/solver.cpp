@@ -54,6 +54,7 @@ SolverOptions options_from_c(const relume_solver_options& options) {
     out.max_dispatch_form_factors = options.max_dispatch_form_factors;
   out.sender_capacity = options.sender_capacity;
   out.half_senders_up_to = options.half_senders_up_to;
+  if (options.lightings > 0) out.lightings = options.lightings;
   return out;
 }
 

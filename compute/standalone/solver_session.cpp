@@ -30,10 +30,11 @@ void record_copy_to_host(VkCommandBuffer commands, const BufferRange& from, cons
 }  // namespace
 
 SolverSession::SolverSession(StandaloneDevice& device, const Model& model, const SessionLimits& limits,
-                             GpuSolver solver)
+                             GpuSolver solver, std::uint32_t lightings)
     : device_(&device),
       first_cluster_(cluster_offsets(model)),
       limits_(limits),
+      lightings_(lightings),
       schedule_(make_schedule(model.systems.size(), 0.0)),
       arena_(device),
       solver_(std::move(solver)) {}
@@ -42,7 +43,7 @@ Result<SolverSession> SolverSession::create(StandaloneDevice& device, const Mode
                                             const SolverOptions& options, const SessionLimits& limits) {
   auto solver = GpuSolver::create(device.host(), model, options);
   if (!solver) return tl::unexpected<Error>(solver.error());
-  SolverSession session(device, model, limits, std::move(*solver));
+  SolverSession session(device, model, limits, std::move(*solver), options.lightings);
   if (auto provided = session.provide_memory(); !provided) return tl::unexpected<Error>(provided.error());
   if (auto loaded = session.load(model); !loaded) return tl::unexpected<Error>(loaded.error());
   return session;
@@ -104,7 +105,8 @@ Result<SubmitTimes> SolverSession::upload(const UploadData& data) {
   return sum;
 }
 
-Result<void> SolverSession::light(const Lighting& lighting, const std::vector<Rgb>& weights) {
+Result<void> SolverSession::light(const Lighting& lighting, const std::vector<Rgb>& weights,
+                                  std::uint32_t number) {
   const std::vector<Rgb> ones(weights.empty() ? lighting.albedo.size() : 0, Rgb(1.0));
   const std::pair<Quantity, std::span<const Rgb>> quantities[] = {
       {Quantity::albedo, lighting.albedo},
@@ -113,12 +115,12 @@ Result<void> SolverSession::light(const Lighting& lighting, const std::vector<Rg
       {Quantity::weights, weights.empty() ? ones : weights},
   };
   const auto systems = static_cast<std::uint32_t>(first_cluster_.size() - 1);
-  UploadData data = solver_.input_data(systems, Quantity::sky, lighting.sky_radiosity);
+  UploadData data = solver_.input_data(systems, Quantity::sky, lighting.sky_radiosity, number);
   for (std::uint32_t system = 0; system < systems; ++system) {
     if (!solver_.loaded(system)) continue;
     const std::size_t first = first_cluster_[system], count = first_cluster_[system + 1] - first;
     for (const auto& [quantity, values] : quantities)
-      data.append(solver_.input_data(system, quantity, values.subspan(first, count)));
+      data.append(solver_.input_data(system, quantity, values.subspan(first, count), number));
   }
   if (auto uploaded = upload(data); !uploaded) return tl::unexpected<Error>(uploaded.error());
   return {};
@@ -147,7 +149,7 @@ Result<void> SolverSession::correct_by(const Model& model, const RoomWeights& we
   const auto tables = room_tables(model, weights);
   if (!tables) return tl::unexpected<Error>(tables.error());
   std::vector<BufferRange> ranges;
-  for (const BufferRequirement& buffer : room_buffers(*tables)) {
+  for (const BufferRequirement& buffer : room_buffers(*tables, lightings_)) {
     auto range = arena_.allocate(buffer);
     if (!range) return tl::unexpected<Error>(range.error());
     ranges.push_back(*range);
@@ -184,55 +186,56 @@ Result<Residual> SolverSession::residual() {
   if (!bytes) return tl::unexpected<Error>(bytes.error());
   Residual all;
   const std::vector<Residual> residuals = read_residuals(*bytes);
-  for (std::uint32_t system = 0; system < residuals.size(); ++system) {
-    if (!solver_.loaded(system)) continue;
+  for (std::size_t record = 0; record < residuals.size(); ++record) {
+    const Residual& residual = residuals[record];
+    if (!solver_.loaded(static_cast<std::uint32_t>(record % schedule_.systems.size()))) continue;
     // NaN must not get lost in a maximum.
     const auto raise = [](Rgb& most, const Rgb& value) {
       for (int c = 0; c < 3; ++c) most[c] = value[c] <= most[c] ? most[c] : value[c];
     };
-    raise(all.weighted_change, residuals[system].weighted_change);
-    raise(all.change, residuals[system].change);
-    raise(all.weighted_radiosity, residuals[system].weighted_radiosity);
-    raise(all.radiosity, residuals[system].radiosity);
+    raise(all.weighted_change, residual.weighted_change);
+    raise(all.change, residual.change);
+    raise(all.weighted_radiosity, residual.weighted_radiosity);
+    raise(all.radiosity, residual.radiosity);
   }
   return all;
 }
 
-Result<std::vector<Rgb>> SolverSession::read_radiosity() {
-  return read_radiosity(true);
+Result<std::vector<Rgb>> SolverSession::read_radiosity(std::uint32_t lighting) {
+  return read_radiosity(lighting, true);
 }
 
 Result<std::vector<Rgb>> SolverSession::read_previous_radiosity() {
-  return read_radiosity(false);
+  return read_radiosity(0, false);
 }
 
-Result<std::vector<Rgb>> SolverSession::read_radiosity(bool latest) {
+Result<std::vector<Rgb>> SolverSession::read_radiosity(std::uint32_t lighting, bool latest) {
   std::vector<Rgb> values;
   for (std::uint32_t system = 0; system < schedule_.systems.size(); ++system) {
     if (!solver_.loaded(system)) continue;
     const std::uint32_t half = schedule_.systems[system].half;
-    auto read = append_rgb(solver_.radiosity(system, latest ? half : 1 - half), values);
+    auto read = append_rgb(solver_.radiosity(system, latest ? half : 1 - half, lighting), values);
     if (!read) return tl::unexpected<Error>(read.error());
   }
   return values;
 }
 
-Result<std::vector<Rgb>> SolverSession::read_irradiance() {
+Result<std::vector<Rgb>> SolverSession::read_irradiance(std::uint32_t lighting) {
   std::vector<Rgb> values;
   for (std::uint32_t system = 0; system < schedule_.systems.size(); ++system) {
     if (!solver_.loaded(system)) continue;
-    auto read = append_rgb(solver_.irradiance(system), values);
+    auto read = append_rgb(solver_.irradiance(system, lighting), values);
     if (!read) return tl::unexpected<Error>(read.error());
   }
   return values;
 }
 
-Result<std::vector<IrradianceMoments>> SolverSession::read_directional_irradiance() {
+Result<std::vector<IrradianceMoments>> SolverSession::read_directional_irradiance(std::uint32_t lighting) {
   std::vector<Rgb> values;
   bool any = false;
   for (std::uint32_t system = 0; system < schedule_.systems.size(); ++system) {
     if (!solver_.loaded(system)) continue;
-    const BufferRange moments = solver_.directional_irradiance(system);
+    const BufferRange moments = solver_.directional_irradiance(system, lighting);
     any = any || moments.byte_size > 0;
     const std::size_t rows = solver_.irradiance(system).byte_size / kRgbBytes;
     if (moments.byte_size == 0) values.resize(values.size() + 3 * rows, Rgb(0.0));
@@ -245,9 +248,9 @@ Result<std::vector<IrradianceMoments>> SolverSession::read_directional_irradianc
   return all;
 }
 
-Result<std::vector<ProbeCoefficients>> SolverSession::read_probes() {
+Result<std::vector<ProbeCoefficients>> SolverSession::read_probes(std::uint32_t lighting) {
   std::vector<Rgb> values;
-  auto read = append_rgb(solver_.probe_coefficients(), values);
+  auto read = append_rgb(solver_.probe_coefficients(lighting), values);
   if (!read) return tl::unexpected<Error>(read.error());
   std::vector<ProbeCoefficients> probes(values.size() / kProbeHarmonics);
   for (std::size_t i = 0; i < probes.size(); ++i) {

@@ -38,8 +38,8 @@ class SolverSession {
   Result<SubmitTimes> upload(const UploadData& data);
 
   /// Lighting of all systems, and the weights of a contraction bound (empty: all 1). Arrays as in
-  /// core/solve.h.
-  Result<void> light(const Lighting& lighting, const std::vector<Rgb>& weights);
+  /// core/solve.h. `number`: of a solver of several lightings, which share albedo and weights.
+  Result<void> light(const Lighting& lighting, const std::vector<Rgb>& weights, std::uint32_t number = 0);
 
   /// The latest radiosity from now on.
   Result<void> set_radiosity(const std::vector<Rgb>& radiosity);
@@ -54,35 +54,37 @@ class SolverSession {
   /// The systems together, in as many submissions as the limits ask for (its own limit is not looked at).
   Result<SubmitTimes> run(PassWishes wishes);
 
-  /// What the last bounce changed, over all systems; after run() with PassWishes::residual.
+  /// What the last bounce changed, over all systems and lightings; after run() with PassWishes::residual.
   Result<Residual> residual();
 
   /// Latest radiosity of the clusters of all systems, or that which the last bounce read.
-  Result<std::vector<Rgb>> read_radiosity();
+  Result<std::vector<Rgb>> read_radiosity(std::uint32_t lighting = 0);
   Result<std::vector<Rgb>> read_previous_radiosity();
 
   /// Irradiance of the gather rows of all systems.
-  Result<std::vector<Rgb>> read_irradiance();
+  Result<std::vector<Rgb>> read_irradiance(std::uint32_t lighting = 0);
 
   /// Moments of the irradiance of the gather rows of all systems, 0 of systems without directions; none where
   /// no system has directions.
-  Result<std::vector<IrradianceMoments>> read_directional_irradiance();
+  Result<std::vector<IrradianceMoments>> read_directional_irradiance(std::uint32_t lighting = 0);
 
   /// Of the light probes of all systems, by their names; 0 of those that are not loaded.
-  Result<std::vector<ProbeCoefficients>> read_probes();
+  Result<std::vector<ProbeCoefficients>> read_probes(std::uint32_t lighting = 0);
 
  private:
-  SolverSession(StandaloneDevice& device, const Model& model, const SessionLimits& limits, GpuSolver solver);
+  SolverSession(StandaloneDevice& device, const Model& model, const SessionLimits& limits, GpuSolver solver,
+                std::uint32_t lightings);
 
   Result<void> provide_memory();
   Result<void> load(const Model& model);
-  Result<std::vector<Rgb>> read_radiosity(bool latest);
+  Result<std::vector<Rgb>> read_radiosity(std::uint32_t lighting, bool latest);
   Result<std::vector<std::byte>> read(const BufferRange& range);
   Result<void> append_rgb(const BufferRange& range, std::vector<Rgb>& values);
 
   StandaloneDevice* device_;
   std::vector<std::uint32_t> first_cluster_;  ///< per system, and the total
   SessionLimits limits_;
+  std::uint32_t lightings_;
   double upload_seconds_ = 0.0;
   Schedule schedule_;
   // The solver goes before the memory that it is bound to.

@@ -8,9 +8,12 @@
 #include "radiosity.glsl"
 #include "range.glsl"
 
-void finish_row(uint row, vec3 irradiance) {
+void finish_row(uint row, mat4x3 irradiance) {
   const uint cluster = range.block_row + row;
-  radiosity[range.first_sender + cluster] = vec4(reflect_and_emit(cluster, irradiance), 0.0);
+  for (uint lighting = 0u; lighting < kLightings; ++lighting) {
+    radiosity[first_of_lighting(lighting, radiosity.length()) + range.first_sender + cluster] =
+        vec4(reflect_and_emit(lighting, cluster, irradiance[lighting]), 0.0);
+  }
 }
 
 #endif

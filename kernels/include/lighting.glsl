@@ -4,6 +4,7 @@
 
 #include "../shared/bindings.h"
 #include "fetch.glsl"
+#include "lightings.glsl"
 
 layout(set = kSystemSet, binding = kAlbedoBinding, std430) readonly restrict buffer Albedo {
   vec4 albedo[];
@@ -23,21 +24,23 @@ vec3 albedo_of(uint cluster) {
   return albedo[cluster].rgb;
 }
 
-vec3 exitance_of(uint cluster) {
-  if (kFetch == kFetchTexels) return texelFetch(exitance_texels, int(cluster)).rgb;
-  return exitance[cluster].rgb;
+vec3 exitance_of(uint lighting, uint cluster) {
+  const uint index = first_of_lighting(lighting, exitance.length()) + cluster;
+  if (kFetch == kFetchTexels) return texelFetch(exitance_texels, int(index)).rgb;
+  return exitance[index].rgb;
 }
 
-vec3 direct_of(uint cluster) {
-  if (kFetch == kFetchTexels) return texelFetch(direct_texels, int(cluster)).rgb;
-  return direct[cluster].rgb;
+vec3 direct_of(uint lighting, uint cluster) {
+  const uint index = first_of_lighting(lighting, direct.length()) + cluster;
+  if (kFetch == kFetchTexels) return texelFetch(direct_texels, int(index)).rgb;
+  return direct[index].rgb;
 }
 
 /// B = M + albedo (H + I) of a cluster of the system.
-vec3 reflect_and_emit(uint cluster, vec3 irradiance) {
-  precise vec3 arriving = direct_of(cluster) + irradiance;
+vec3 reflect_and_emit(uint lighting, uint cluster, vec3 irradiance) {
+  precise vec3 arriving = direct_of(lighting, cluster) + irradiance;
   precise vec3 reflected = albedo_of(cluster) * arriving;
-  precise vec3 leaving = reflected + exitance_of(cluster);
+  precise vec3 leaving = reflected + exitance_of(lighting, cluster);
   return leaving;
 }
 

@@ -7,6 +7,7 @@
 #define RELUME_MEET_BY_SHUFFLES_GLSL
 
 #include "../shared/limits.h"
+#include "lightings.glsl"
 
 uint lane_of_subgroup() {
   return gl_SubgroupInvocationID & (kLanes - 1u);
@@ -25,13 +26,24 @@ vec3 met(vec3 lower, vec3 higher, bool upper, uint bit) {
   return sum;
 }
 
-/// Sum number `lane`, of all lanes.
+/// Sum number `lane` of one lighting, of all lanes.
 vec3 sum_of_lanes(vec3 sums[kLanes], uint lane) {
   const bool bit_2 = (lane & 4u) != 0u, bit_1 = (lane & 2u) != 0u, bit_0 = (lane & 1u) != 0u;
   const vec3 s0 = met(sums[0], sums[4], bit_2, 4u), s1 = met(sums[1], sums[5], bit_2, 4u);
   const vec3 s2 = met(sums[2], sums[6], bit_2, 4u), s3 = met(sums[3], sums[7], bit_2, 4u);
   const vec3 t0 = met(s0, s2, bit_1, 2u), t1 = met(s1, s3, bit_1, 2u);
   return met(t0, t1, bit_0, 1u);
+}
+
+/// The same of every lighting.
+mat4x3 sums_of_lanes(mat4x3 sums[kLanes], uint lane) {
+  mat4x3 met_sums = mat4x3(0.0);
+  for (uint lighting = 0u; lighting < kLightings; ++lighting) {
+    vec3 of_lighting[kLanes];
+    for (uint i = 0u; i < kLanes; ++i) of_lighting[i] = sums[i][lighting];
+    met_sums[lighting] = sum_of_lanes(of_lighting, lane);
+  }
+  return met_sums;
 }
 
 #endif

@@ -6,6 +6,7 @@
 #define RELUME_NODES_GLSL
 
 #include "fetch.glsl"
+#include "lightings.glsl"
 #include "range.glsl"
 
 layout(set = kSystemSet, binding = kNodesBinding, std430) readonly restrict buffer Nodes {
@@ -31,26 +32,33 @@ uvec2 node_part(uint index) {
   return node_parts[index];
 }
 
-vec3 radiosity_of_sender(uint sender) {
-  const uint index = range.first_sender + sender;
+uint first_sender(uint lighting) {
+  return (kLightings == 1u ? 0u : lighting * range.block_row) + range.first_sender;
+}
+
+vec3 radiosity_of(uint lighting, uint sender) {
+  const uint index = first_sender(lighting) + sender;
   if (kFetch == kFetchTexels) return texelFetch(own_radiosity_texels, int(index)).rgb;
   return own_radiosity[index].rgb;
 }
 
 /// The sum of every `stride`-th part of a node from `first` on.
-vec3 sum_of_parts(uvec4 node, uint first, uint stride) {
-  precise vec3 sum = vec3(0.0);
+mat4x3 sums_of_parts(uvec4 node, uint first, uint stride) {
+  precise mat4x3 sum = mat4x3(0.0);
   for (uint i = first; i < node.y; i += stride) {
     const uvec2 part = node_part(node.x + i);
-    precise vec3 term = uintBitsToFloat(part.y) * radiosity_of_sender(part.x);
-    sum = sum + term;
+    for (uint lighting = 0u; lighting < kLightings; ++lighting) {
+      precise vec3 term = uintBitsToFloat(part.y) * radiosity_of(lighting, part.x);
+      sum[lighting] = sum[lighting] + term;
+    }
     if (i + stride >= node.y) break;
   }
   return sum;
 }
 
-void write_node(uvec4 node, vec3 mean) {
-  own_radiosity[range.first_sender + node.z] = vec4(mean, 0.0);
+void write_node(uvec4 node, mat4x3 mean) {
+  for (uint lighting = 0u; lighting < kLightings; ++lighting)
+    own_radiosity[first_sender(lighting) + node.z] = vec4(mean[lighting], 0.0);
 }
 
 #endif

@@ -5,6 +5,7 @@
 #define RELUME_ROOMS_GLSL
 
 #include "../shared/bindings.h"
+#include "lightings.glsl"
 #include "radiosity.glsl"
 #include "range.glsl"
 
@@ -24,10 +25,20 @@ layout(set = kSystemSet, binding = kAlbedoBinding, std430) readonly restrict buf
   vec4 albedo[];
 };
 
-/// Of the two sums of a pair, the first; `seen`: a room, or what is above all of them for none.
+/// The irradiance of room 0 in the lighting of the workgroup.
+uint first_room() {
+  return first_of_lighting(gl_WorkGroupID.z, room_sums.length());
+}
+
+/// Of the two sums of a pair in it, the first; `seen`: a room, or what is above all of them for none.
 uint pair_sums(uint system, uint seeing, uint seen) {
   const uint pair = seeing * (kMaxRooms + 1u) + min(seen, kMaxRooms);
-  return kMaxRooms + 2u * (system * kRoomPairs + pair);
+  return first_room() + kMaxRooms + 2u * (system * kRoomPairs + pair);
+}
+
+/// Sender 0 in it, of that of lighting 0.
+uint in_lighting(uint first_sender) {
+  return first_of_lighting(gl_WorkGroupID.z, radiosity.length()) + first_sender;
 }
 
 #endif

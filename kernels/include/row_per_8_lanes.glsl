@@ -2,12 +2,11 @@
 //
 // Body of a row kernel: eight invocations of a workgroup do a row, one lane each, and meet in shared memory,
 // so that it is right at any subgroup width. The kernel defines finish_row(row in the block, product).
+#include "meet_in_shared_memory.glsl"
 #include "row_product.glsl"
 
-shared vec4 lane_sums[kWorkgroupSize];
-
-vec3 lane_product(uint row, uint lane) {
-  precise vec3 sum = vec3(0.0);
+mat4x3 lane_product(uint row, uint lane) {
+  precise mat4x3 sum = mat4x3(0.0);
   const uint end = end_entry(row);
   for (uint entry = first_entry(row) + lane; entry < end; entry += kLanes) add_entry(sum, row, entry);
   return sum;
@@ -20,11 +19,8 @@ void main() {
   const uint row = range.first_row + index;
   const bool inside = index < range.count;
 
-  lane_sums[gl_LocalInvocationIndex] = vec4(inside ? lane_product(row, lane) : vec3(0.0), 0.0);
-  memoryBarrierShared();
-  barrier();
-  if (!inside || lane != 0u) return;
-  finish_row(row, row_result(row, lane_sums[first].xyz, lane_sums[first + 1u].xyz, lane_sums[first + 2u].xyz,
-                             lane_sums[first + 3u].xyz, lane_sums[first + 4u].xyz, lane_sums[first + 5u].xyz,
-                             lane_sums[first + 6u].xyz, lane_sums[first + 7u].xyz));
+  mat4x3 lane_sum = mat4x3(0.0);
+  if (inside) lane_sum = lane_product(row, lane);
+  const mat4x3 sum = meet(lane_sum, first);
+  if (inside && lane == 0u) finish_row(row, scaled(row, sum));
 }

@@ -4,9 +4,9 @@
 // the block, product).
 #include "row_product.glsl"
 
-vec3 row_product(uint row) {
-  precise vec3 s0 = vec3(0.0), s1 = vec3(0.0), s2 = vec3(0.0), s3 = vec3(0.0);
-  precise vec3 s4 = vec3(0.0), s5 = vec3(0.0), s6 = vec3(0.0), s7 = vec3(0.0);
+mat4x3 row_product(uint row) {
+  precise mat4x3 s0 = mat4x3(0.0), s1 = mat4x3(0.0), s2 = mat4x3(0.0), s3 = mat4x3(0.0);
+  precise mat4x3 s4 = mat4x3(0.0), s5 = mat4x3(0.0), s6 = mat4x3(0.0), s7 = mat4x3(0.0);
   uint entry = first_entry(row);
   const uint end = end_entry(row);
   for (; entry + kLanes <= end; entry += kLanes) {
@@ -27,7 +27,7 @@ vec3 row_product(uint row) {
   if (rest > 4u) add_entry(s4, row, entry + 4u);
   if (rest > 5u) add_entry(s5, row, entry + 5u);
   if (rest > 6u) add_entry(s6, row, entry + 6u);
-  return row_result(row, s0, s1, s2, s3, s4, s5, s6, s7);
+  return scaled(row, lane_tree(s0, s1, s2, s3, s4, s5, s6, s7));
 }
 
 void main() {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The product of one matrix row with the local radiosity, in the one summation order that all kernels share,
+// The product of one matrix row with the local radiosity of every lighting, in the one summation order that all kernels share,
 // so that every kernel, subgroup width and slicing gives the same bits:
 //
 //   lane k of 8   s_k = 0, then + code * b of entry k, k + 8, k + 16, ... of the row, one after the other
@@ -90,24 +90,25 @@ uint end_entry(uint row) {
 }
 
 /// Adds one entry of a row to the sum of its lane.
-void add_entry(inout precise vec3 lane_sum, uint row, uint entry) {
-  precise vec3 term = code_at(entry * kTileRows + row % kTileRows) * scaled_radiosity_of(column_of(entry));
+void add_entry(inout precise mat4x3 lane_sum, uint row, uint entry) {
+  precise mat4x3 term =
+      code_at(entry * kTileRows + row % kTileRows) * scaled_radiosities_of(column_of(entry));
   lane_sum = lane_sum + term;
 }
 
-/// A row's sum times its scale.
-vec3 scaled(uint row, vec3 sum) {
+/// What a row's sum is multiplied by.
+float scale_of_sum(uint row) {
   precise float scale = row_scale(row);
   if (kCodec == kCodecUnorm16) scale = scale * (1.0 / 65535.0);
   if (kCodec == kCodecSqrt8) scale = scale * (1.0 / 65025.0);
   if (kHalfSenders != 0u) scale = scale * (1.0 / kSenderScale);
-  precise vec3 product = sum * scale;
-  return product;
+  return scale;
 }
 
-/// The fixed tree over the lanes, and the scale of the row.
-vec3 row_result(uint row, vec3 s0, vec3 s1, vec3 s2, vec3 s3, vec3 s4, vec3 s5, vec3 s6, vec3 s7) {
-  return scaled(row, lane_tree(s0, s1, s2, s3, s4, s5, s6, s7));
+/// A row's sums times its scale.
+mat4x3 scaled(uint row, mat4x3 sums) {
+  precise mat4x3 product = sums * scale_of_sum(row);
+  return product;
 }
 
 #endif

@@ -60,7 +60,7 @@ const uint kTurn = 4u;
 
 struct TileTurn {
   TileCodes codes[kTurn];
-  vec3 b[kTurn];  ///< black where the tile has ended: +0 more does not change a sum
+  mat4x3 b[kTurn];  ///< black where the tile has ended: +0 more does not change a sum
 };
 
 TileTurn fetch_turn(uint first, uint last) {
@@ -69,14 +69,16 @@ TileTurn fetch_turn(uint first, uint last) {
   for (uint i = 0u; i < kTurn; ++i) columns_of_turn[i] = column_of(min(first + i * kLanes, last));
   for (uint i = 0u; i < kTurn; ++i) turn.codes[i] = tile_codes(min(first + i * kLanes, last));
   for (uint i = 0u; i < kTurn; ++i) {
-    const vec3 b = scaled_radiosity_of(columns_of_turn[i]);
-    turn.b[i] = first + i * kLanes <= last ? b : vec3(0.0);
+    const mat4x3 b = scaled_radiosities_of(columns_of_turn[i]);
+    const bool inside = first + i * kLanes <= last;
+    for (uint lighting = 0u; lighting < kLightings; ++lighting)
+      turn.b[i][lighting] = inside ? b[lighting] : vec3(0.0);
   }
   return turn;
 }
 
 /// The sums of lane `lane` of the rows of a tile, from 0 on.
-void add_tile_lane(inout precise vec3 sums[kTileOfRows], uint tile, uint lane) {
+void add_tile_lane(inout precise mat4x3 sums[kTileOfRows], uint tile, uint lane) {
   const uint end = tile_offset(tile + 1u);
   uint entry = tile_offset(tile);
   if (entry == end) return;
@@ -84,7 +86,7 @@ void add_tile_lane(inout precise vec3 sums[kTileOfRows], uint tile, uint lane) {
     const TileTurn turn = fetch_turn(entry + lane, end - 1u);
     for (uint row = 0u; row < kTileOfRows; ++row) {
       for (uint i = 0u; i < kTurn; ++i) {
-        precise vec3 term = code_of_row(turn.codes[i], row) * turn.b[i];
+        precise mat4x3 term = code_of_row(turn.codes[i], row) * turn.b[i];
         sums[row] = sums[row] + term;
       }
     }

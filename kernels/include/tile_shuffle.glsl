@@ -10,10 +10,10 @@ void main() {
   const uint index = first_row_of_workgroup() + first_of_lanes();
   const uint tile = (range.first_row + index) / kTileOfRows;
 
-  precise vec3 sums[kTileOfRows];
-  for (uint row = 0u; row < kTileOfRows; ++row) sums[row] = vec3(0.0);
+  precise mat4x3 sums[kTileOfRows];
+  for (uint row = 0u; row < kTileOfRows; ++row) sums[row] = mat4x3(0.0);
   if (index < range.count) add_tile_lane(sums, tile, lane);
-  const vec3 sum = sum_of_lanes(sums, lane);
+  const mat4x3 sum = sums_of_lanes(sums, lane);
   if (index + lane >= range.count) return;
   const uint row = range.first_row + index + lane;
   finish_row(row, scaled(row, sum));

@@ -6,6 +6,9 @@
 // The senders of a system are its clusters, then the nodes of its tree; those of the sky, its patches, then
 // their nodes. They lie together in one buffer, twice for a system, which reads one half and writes the
 // other; where, a table says, so that import tables need not know which systems are loaded.
+//
+// Of several lightings (include/lightings.glsl), radiosity, residuals, irradiance, exitance, direct, probe coefficients
+// and room sums are in planes, one lighting after the other: what is said of their elements here is said of a plane.
 #ifndef RELUME_KERNELS_BINDINGS_H
 #define RELUME_KERNELS_BINDINGS_H
 
@@ -34,7 +37,8 @@ const uint kSystemSet = 1u;
 // part, of share 1; a node above the systems several, of which all but the first follow the imports.
 const uint kImportsBinding = 0u;
 const uint kLocalRadiosityBinding = 1u;  // vec4, or as kHalfSendersConstant says four halves in a uvec2, per
-                                         // import: b of the sender (include/local_radiosity.glsl)
+                                         // import and lighting of it: b of the sender
+                                         // (include/local_radiosity.glsl)
 const uint kIrradianceBinding = 2u;  // vec4 per gather row: I, lm/m2; where the gather matrix has directions,
                                      // then three vec4 per row: D along x, y, z
 const uint kAlbedoBinding = 3u;      // vec4 per cluster
@@ -121,6 +125,9 @@ const uint kTileRowsConstant = 2u;
 /// Specialization constants: whether imports are kept in half precision, and what times, a float.
 const uint kHalfSendersConstant = 3u;
 const uint kSenderScaleConstant = 4u;
+
+/// Specialization constant: lightings at once, 1 to kMaxLightings (include/lightings.glsl).
+const uint kLightingsConstant = 5u;
 
 RELUME_SHARED_END
 

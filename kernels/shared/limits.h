@@ -29,6 +29,9 @@ const uint kSmallNode = 8u;
 /// equal work, however lengths of rows change from one end to the other.
 const uint kSweeps = 16u;
 
+/// Lightings that a solver does at once: what a row kernel has registers for.
+const uint kMaxLightings = 4u;
+
 /// Rooms that have a correction: their equations fit the 16 KiB of shared memory that every device offers.
 const uint kMaxRooms = 32u;
 

@@ -15,10 +15,13 @@ struct Range {
                    // correct_rooms: bits of the largest radiosity
   uint count;  // rows, imports, clusters or nodes; restrict_rooms: number of the system; solve_rooms: number
                // of systems
-  uint block_row;  // row of the matrix that is row 0 of the block; residual: number of the system; restrict_rooms: its first segment; solve_rooms: number of rooms;
+  uint block_row;  // row of the matrix that is row 0 of the block; directions: the first moment of that row
+                   // among the elements of a lighting; nodes: senders from a lighting to the next; residual:
+                   // number of the system; restrict_rooms: its first segment; solve_rooms: number of rooms;
                    // correct_rooms: cluster of all systems that is its cluster 0
-  uint first_sender;  // sender 0 of the system in the half that is written; nodes: counted from its half 0;
-                      // residual: in the half that counts; directions: number of rows of the block
+  uint first_sender;  // sender 0 of the system in the half that is written, as all senders here of lighting 0;
+                      // nodes: counted from its half 0; residual: in the half that counts; directions: number
+                      // of rows of the block
   // ---- 16 bytes
 };
 

@@ -54,6 +54,23 @@ TEST(PassPlan, CutsWhereTheNextRowWouldNotFit) {
   EXPECT_EQ(dispatch_cost(steps), 10u);
 }
 
+// The same cuts as for 4 form factors of one lighting.
+TEST(PassPlan, AFormFactorCountsOnceForEachLighting) {
+  const Model model = five_rows();
+  LayoutLimits limits;
+  limits.lightings = 3;
+  const SystemDispatches all = plan_dispatches(model.systems[0], layout_of(model, limits),
+                                               RowKernel::row_per_thread, MatrixFetch::storage, 14);
+  std::vector<std::uint64_t> cost;
+  for (const DispatchStep& step : dispatches_of(all, StepKernel::bounce)) {
+    cost.push_back(step.cost);
+    EXPECT_EQ(step.lightings, 1u);  // in an invocation
+  }
+  EXPECT_THAT(cost, ElementsAre(12u, 6u, 12u));
+  EXPECT_EQ(dispatches_of(all, StepKernel::start).at(0).lightings, 3u);
+  EXPECT_EQ(dispatches_of(all, StepKernel::start).at(0).cost, 15u);
+}
+
 TEST(PassPlan, ARowLargerThanTheLimitIsADispatchOfItsOwn) {
   std::vector<std::uint32_t> count;
   for (const DispatchStep& step : bounce_of(five_rows(), RowKernel::row_per_8_lanes, 1))
@@ -174,6 +191,27 @@ TEST(SolverLayout, ThereIsRoomForTheSkyAndTwoHalvesOfEverySystemWhereBindingsMay
   ASSERT_TRUE(system);
   EXPECT_EQ(system->senders(), 19u);
   EXPECT_EQ(system->buffers[kAlbedo].byte_size, 17u * 16u);
+}
+
+// Of 17 clusters (272 bytes), planes 512 bytes apart; of imports side by side.
+TEST(SolverLayout, LightingsLieInPlanesThatCanBeBoundEach) {
+  const DrawnSystem drawn{{{0, 0}, {0, 1}, {0, 2}}, DenseMatrix(17), DenseMatrix(5)};
+  const Model model = drawn_model({drawn}, 5);
+  LayoutLimits limits;
+  limits.lightings = 3;
+  const SystemLayout system = layout_of(model, limits);
+  EXPECT_EQ(system.clusters_plane.byte_size, 17u * 16u);
+  EXPECT_EQ(system.clusters_plane.step, 512u);
+  EXPECT_EQ(system.buffers[kAlbedo].byte_size, 17u * 16u);
+  EXPECT_EQ(system.buffers[kExitance].byte_size, 3u * 512u);
+  EXPECT_EQ(system.buffers[kDirect].byte_size, 3u * 512u);
+  EXPECT_EQ(system.buffers[kIrradiance].byte_size, 3u * 256u);
+  EXPECT_EQ(system.buffers[kLocalRadiosity].byte_size, 3u * 3u * 16u);
+  const auto solve = solver_layout(model, 17, limits);
+  ASSERT_TRUE(solve);
+  EXPECT_EQ(solve->radiosity_plane.step, 768u);  // 5 + 2 x 17 senders: 624 bytes
+  EXPECT_EQ(solve->buffers[kRadiosity].byte_size, 3u * 768u);
+  EXPECT_EQ(solve->buffers[kResiduals].byte_size, 3u * 64u);
 }
 
 TEST(SolverLayout, SectionsOfABlockAreAlignedAndDoNotOverlap) {
