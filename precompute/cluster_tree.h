@@ -31,13 +31,13 @@ struct ClusterTree {
   std::vector<std::uint32_t> roots;  ///< one per group and call of append_tree
 };
 
-/// Order of `leaves` in which every node is a range: leaf `order[i]` becomes number i. Groups follow each
-/// other; inside, the set is halved by area along the direction in which it is longest, where normals count
-/// as far apart as the set is wide. A set of several parts is halved between parts, along the axis in which
-/// their centroids lie widest.
-std::vector<std::uint32_t> tree_order(const std::vector<TreeLeaf>& leaves);
-
-/// Appends the tree over leaves that are already in tree_order and numbered from `first`.
-void append_tree(const std::vector<TreeLeaf>& ordered_leaves, std::uint32_t first, ClusterTree& tree);
+/// Appends the tree over `leaves` and returns the order in which every node is a range: leaf `order[i]`
+/// becomes number `first` + i. Groups follow each other; inside, a set is cut in two across the direction in
+/// which it is longest, where normals count as a little further apart than the set is wide: by area, at the
+/// beginning of a tile of rows (kTileRows leaves of a part), or in the widest gap between normals. So the
+/// rows of a tile see much the same, and nodes are of surfaces that are lit alike. A set of several parts is
+/// halved between parts, along the axis in which their centroids lie widest.
+std::vector<std::uint32_t> append_tree(const std::vector<TreeLeaf>& leaves, std::uint32_t first,
+                                       ClusterTree& tree);
 
 }  // namespace relume

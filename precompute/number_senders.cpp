@@ -40,13 +40,6 @@ void append_leaves(const ClusteredSurface& surface, std::uint32_t part, const Em
   }
 }
 
-template <class T>
-std::vector<T> in_order(const std::vector<T>& values, const std::vector<std::uint32_t>& order) {
-  std::vector<T> ordered;
-  for (const auto i : order) ordered.push_back(values[i]);
-  return ordered;
-}
-
 /// Gives the entries of rows new numbers; one per thread.
 class Renumbering {
  public:
@@ -81,8 +74,7 @@ void number_clusters(const Emitters& emitters, const std::vector<std::uint32_t>&
   LeafGroups groups;
   for (std::uint32_t s = 0; s < surfaces.size(); ++s)
     append_leaves(surfaces[s], s, emitters, rooms, groups, leaves);
-  const std::vector<std::uint32_t> order = tree_order(leaves);
-  append_tree(in_order(leaves, order), 0, senders.tree);
+  const std::vector<std::uint32_t> order = append_tree(leaves, 0, senders.tree);
   std::vector<std::uint32_t> local_numbers(leaves.size());
   for (ClusteredSurface& surface : surfaces) surface.senders.clear();
   for (std::uint32_t i = 0; i < order.size(); ++i) {
@@ -105,8 +97,7 @@ void number_sky(std::uint32_t cluster_count, SenderTree& senders, std::vector<st
     leaves.push_back({glm::vec3(sky_cell_direction(cell, resolution)), glm::vec3(0.0f),
                       float(sky_cell_solid_angle(cell, resolution)), 0, 0});
   }
-  const std::vector<std::uint32_t> order = tree_order(leaves);
-  append_tree(in_order(leaves, order), cluster_count, senders.tree);
+  const std::vector<std::uint32_t> order = append_tree(leaves, cluster_count, senders.tree);
   for (std::uint32_t i = 0; i < order.size(); ++i) {
     numbers[cluster_count + order[i]] = cluster_count + i;
     senders.places.push_back({kSkySystem, i});

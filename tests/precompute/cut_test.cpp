@@ -34,7 +34,9 @@ std::vector<TreeNodeRange> ranges(const ClusterTree& tree, const CutTile& tile) 
 }
 
 TEST(ClusterTree, OrdersByGroupThenAlongTheLongestDirection) {
-  const auto order = tree_order({leaf_at(3, 1), leaf_at(1, 0), leaf_at(0, 1), leaf_at(0, 0), leaf_at(2, 1)});
+  ClusterTree tree;
+  const auto order =
+      append_tree({leaf_at(3, 1), leaf_at(1, 0), leaf_at(0, 1), leaf_at(0, 0), leaf_at(2, 1)}, 0, tree);
   EXPECT_EQ(order, (std::vector<std::uint32_t>{3, 1, 2, 4, 0}));
 }
 
@@ -50,6 +52,30 @@ TEST(ClusterTree, HalvesByAreaAndNumbersChildrenSideBySide) {
   EXPECT_EQ(tree.nodes[tree.nodes[0].left + 1].count, 2u);
 }
 
+TEST(ClusterTree, SurfacesAtRightAnglesPartBeforeTheyAreHalved) {
+  // A floor of 12 m and a wall of 4 m at its end: by area, half of the floor would go with the wall.
+  std::vector<TreeLeaf> leaves;
+  for (int i = 0; i < 12; ++i) leaves.push_back(leaf_at(float(i), 0));
+  for (int i = 0; i < 4; ++i) leaves.push_back({{11.5f, 0.5f + float(i), 0}, {-1, 0, 0}, 1.0f, 0});
+  ClusterTree tree;
+  const auto order = append_tree(leaves, 0, tree);
+  const TreeNodeRange& left = tree.nodes[tree.nodes[0].left];
+  EXPECT_EQ(left.count, 4u);
+  for (std::uint32_t i = 0; i < left.count; ++i) EXPECT_EQ(leaves[order[i]].normal.x, -1.0f);
+}
+
+TEST(ClusterTree, HalvesWhereATileOfRowsBegins) {
+  std::vector<TreeLeaf> leaves;
+  for (int i = 0; i < 21; ++i) leaves.push_back(leaf_at(float(i), 0));
+  ClusterTree tree;
+  append_tree(leaves, 0, tree);
+  // Half of the area ends after leaf 10; then half of 8 leaves, and of 13, of which a tile begins after 8.
+  const TreeNodeRange& left = tree.nodes[tree.nodes[0].left];
+  EXPECT_EQ(left.count, 8u);
+  EXPECT_EQ(tree.nodes[left.left].count, 4u);
+  EXPECT_EQ(tree.nodes[tree.nodes[tree.nodes[0].left + 1].left].count, 8u);
+}
+
 TEST(ClusterTree, NoNodeMixesGroups) {
   const ClusterTree tree = tree_of_eight(4);
   EXPECT_EQ(tree.roots.size(), 4u);
@@ -61,12 +87,8 @@ TEST(ClusterTree, AboveThePartsNodesHoldWholeParts) {
   std::vector<TreeLeaf> leaves{leaf_at(2, 0), leaf_at(1, 0), leaf_at(0, 0), leaf_at(6, 0), leaf_at(30, 0)};
   leaves[2].part = leaves[3].part = 1;
   leaves[4].part = 2;
-  const auto order = tree_order(leaves);
-  EXPECT_EQ(order, (std::vector<std::uint32_t>{1, 0, 2, 3, 4}));
-  std::vector<TreeLeaf> ordered;
-  for (const auto i : order) ordered.push_back(leaves[i]);
   ClusterTree tree;
-  append_tree(ordered, 0, tree);
+  EXPECT_EQ(append_tree(leaves, 0, tree), (std::vector<std::uint32_t>{1, 0, 2, 3, 4}));
   ASSERT_EQ(tree.roots.size(), 1u);
   // After part 0 lie 2 m2 of 5, after part 1 more than half.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> inner;
