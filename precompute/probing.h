@@ -43,9 +43,9 @@ struct Probing {
   std::vector<std::uint32_t> rooms;   ///< per cluster
   std::vector<ProbingValues> weights;  ///< per room: 1 / root mean square of its irradiance; of a room that
                                        ///< nothing lights, as if it had a hundredth of that of the brightest
-  double cluster_error =
-      0.0;  ///< of irradiance, relative to its root mean square in the room: what clusters
-            ///< of this size are estimated to cost, root mean square over rooms and probings
+  /// Of irradiance, relative to its root mean square in the room: what clusters of this size are estimated to
+  /// cost, root mean square over rooms, of each the probings that err most.
+  double cluster_error = 0.0;
 };
 
 /// What the rows of a survey are traced against, and where its clusters lie.

@@ -10,8 +10,8 @@
 namespace relume {
 
 /// Causes are independent, so that their squares add up; each gets this share of the target. Together they
-/// leave a quarter of it to lights that probing does not foresee.
-inline constexpr double kClusterShare = 0.5, kRayShare = 0.3, kCutShare = 0.35;
+/// leave a third of it to lights that probing does not foresee.
+inline constexpr double kClusterShare = 0.5, kRayShare = 0.3, kCutShare = 0.3;
 /// That of the cut where bounds are to be narrow.
 inline constexpr double kCutShareForBounds = 0.25;
 
