@@ -155,7 +155,7 @@ typedef struct relume_solver_options {
   uint64_t max_dispatch_form_factors; /* 0: 4 million */
   uint32_t sender_capacity;           /* see SolverOptions; 0: room for all loaded systems of the model */
   double half_senders_up_to;          /* lm/m2; see SolverOptions; 0: single precision */
-  uint32_t lightings;                 /* at once, at most 4; 0: one. See "Several lightings" below */
+  uint32_t lightings;                 /* at once, at most 4; 0: one. See compute/relume_passes.h */
 } relume_solver_options;
 
 /* `options` may be null. `largest_radiosity`: no surface or sky patch will have more, in lm/m2, whatever the
@@ -253,7 +253,7 @@ typedef struct relume_input_copy {
   uint32_t system;
   uint32_t first;             /* cluster or patch */
   relume_buffer_range source; /* 16 bytes an element; usage TRANSFER_SRC */
-  uint32_t lighting;          /* see "Several lightings" */
+  uint32_t lighting;          /* see compute/relume_passes.h */
 } relume_input_copy;
 
 /* Where inputs and results are, for kernels of the host; a null buffer for what is not there. Radiosity is in
@@ -270,25 +270,6 @@ relume_buffer_range relume_directional_irradiance(const relume_solver* solver, u
 relume_buffer_range relume_probe_coefficients(const relume_solver* solver);
 /* Direct irradiance per gather row of a system with lights. */
 relume_buffer_range relume_direct_irradiance(const relume_solver* solver, uint32_t system);
-
-/* ---- Several lightings -------------------------------------------------------------------------------- */
-
-/* A solver of several lightings (relume_solver_options) takes all of them forward in each frame and reads its
- * matrices once for all: responses of several lights for a relume_light_cache, times of the day, before and
- * after an edit. Each has RELUME_EXITANCE, RELUME_DIRECT and RELUME_SKY and all results of its own; albedo
- * and weights are of all. Bounds of plans hold for the worst, relume_note_change takes the largest change of
- * any, and a form factor counts once for each.
- *
- * Lightings are numbers from 0. What does not name one means number 0, where relume_add_lights and the passes
- * of compute/relume_passes.h write and read too: a relume_input_copy whose source is relume_input takes what
- * they wrote in the frame before to another. Null buffers for a lighting that is not there. */
-relume_buffer_range relume_input_of(const relume_solver* solver, uint32_t system, relume_quantity quantity,
-                                    uint32_t lighting);
-relume_buffer_range relume_radiosity_of(const relume_solver* solver, uint32_t system, uint32_t lighting);
-relume_buffer_range relume_irradiance_of(const relume_solver* solver, uint32_t system, uint32_t lighting);
-relume_buffer_range relume_directional_irradiance_of(const relume_solver* solver, uint32_t system,
-                                                     uint32_t lighting);
-relume_buffer_range relume_probe_coefficients_of(const relume_solver* solver, uint32_t lighting);
 
 /* ---- Frames ------------------------------------------------------------------------------------------- */
 
@@ -332,7 +313,7 @@ relume_status relume_plan_together(relume_solver* solver, const relume_pass_wish
 typedef struct relume_irradiance_target {
   uint32_t system;
   relume_buffer_range target; /* 16 bytes per gather row; usage TRANSFER_DST */
-  uint32_t lighting;          /* see "Several lightings" */
+  uint32_t lighting;          /* see compute/relume_passes.h */
 } relume_irradiance_target;
 
 /* Of compute/relume_passes.h. */

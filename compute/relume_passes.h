@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * What goes into frames and comes out of them, for C99: the functions of compute/lightmap_pass.h,
- * light_cache.h, material_pass.h and screen_pass.h, whose headers say more. Each is of one system of a
- * relume_solver and is recorded in the frames that name it, a light cache behind or instead of them.
+ * What goes into frames and comes out of them, for C99: several lightings at once, and the functions of
+ * compute/lightmap_pass.h, light_cache.h, material_pass.h and screen_pass.h, whose headers say more. Each pass
+ * is of one system of a relume_solver and is recorded in the frames that name it, a light cache behind or
+ * instead of them.
  * Materials and screens write albedo and exitance of clusters:
  *
  *   relume_materials_create, _bind        memory through the host's relume_allocate
@@ -21,6 +22,25 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* ---- Several lightings -------------------------------------------------------------------------------- */
+
+/* A solver of several lightings (relume_solver_options) takes all of them forward in each frame and reads its
+ * matrices once for all: responses of several lights for a relume_light_cache, times of the day, before and
+ * after an edit. Each has RELUME_EXITANCE, RELUME_DIRECT and RELUME_SKY and all results of its own; albedo
+ * and weights are of all. Bounds of plans hold for the worst, relume_note_change takes the largest change of
+ * any, and a form factor counts once for each.
+ *
+ * Lightings are numbers from 0. What does not name one means number 0, where relume_add_lights and the passes
+ * below write and read too: a relume_input_copy whose source is relume_input takes what they wrote in the frame
+ * before to another. Null buffers for a lighting that is not there. */
+relume_buffer_range relume_input_of(const relume_solver* solver, uint32_t system, relume_quantity quantity,
+                                    uint32_t lighting);
+relume_buffer_range relume_radiosity_of(const relume_solver* solver, uint32_t system, uint32_t lighting);
+relume_buffer_range relume_irradiance_of(const relume_solver* solver, uint32_t system, uint32_t lighting);
+relume_buffer_range relume_directional_irradiance_of(const relume_solver* solver, uint32_t system,
+                                                     uint32_t lighting);
+relume_buffer_range relume_probe_coefficients_of(const relume_solver* solver, uint32_t lighting);
 
 /* ---- Lightmaps ---------------------------------------------------------------------------------------- */
 

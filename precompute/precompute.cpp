@@ -206,9 +206,9 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
                          surfaces.cluster_count()};
   Result<Model> model;
   const bool keeps = keeper != nullptr && options.keep_rows && prepared.rows.memory != nullptr;
-  tbb::parallel_invoke([&] { model = assemble_model(parts, plan.codec, options.max_albedo, report); },
+  tbb::parallel_invoke([&] { model = assemble_model(parts, plan.codec, start.options.max_albedo, report); },
                        [&] {
-                         if (keeps) keeper->take_rays();
+                         if (keeps) start.keeper->take_rays();
                        });
   report.seconds_rows = seconds_since(rows_start);
   if (!model) return model;

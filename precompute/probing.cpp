@@ -383,10 +383,8 @@ double Prober::worst_square(std::size_t room, const std::vector<ProbingValues>& 
     for (std::size_t p = 0; p < kProbings; ++p)
       squares[p] += double(clusters_[c].area) * double(first[c][p]) * double(second[c][p]);
   }
-  for (std::size_t p = 0; p < kProbings; ++p) {
-    const double weight = result_.weights[room][p];
-    squares[p] *= weight * weight;
-  }
+  for (std::size_t p = 0; p < kProbings; ++p)
+    squares[p] *= double(result_.weights[room][p]) * double(result_.weights[room][p]);
   std::sort(squares.begin(), squares.end(), std::greater<>());
   return std::accumulate(squares.begin(), squares.begin() + kWorst, 0.0) / kWorst;
 }

@@ -145,7 +145,8 @@ double open_share(const Geometry& geometry, const RayCaster& caster) {
   for (const float a : geometry.areas) area += a;
   for (std::uint32_t t = 0; t < geometry.triangles.size(); ++t) {
     total += geometry.areas[t];
-    for (; next < total; next += area / kPoints) {
+    while (next < total) {
+      next += area / kPoints;
       for (int i = 0; i < kLookDirections; ++i) {
         const glm::vec3 d = sphere_direction(i, kLookDirections);
         directions[std::size_t(i)] = glm::dot(d, geometry.normals[t]) < 0.0f ? -d : d;
