@@ -118,7 +118,7 @@ void add_default(const std::vector<Point>& points, double (*x)(const Point&), st
     if (point.role != PointRole::program_default) continue;
     ChartPoint drawn = against_error(point, x(point));
     drawn.label = "default";
-    all.push_back({"default of the program: full rows, f32", {drawn}, false});
+    all.push_back({"default of the program: full rows, 16 bits", {drawn}, false});
   }
 }
 
