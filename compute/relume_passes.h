@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * What goes into frames and comes out of them, for C99: several lightings at once, and the functions of
- * compute/lightmap_pass.h, light_cache.h, material_pass.h and screen_pass.h, whose headers say more. Each pass
- * is of one system of a relume_solver and is recorded in the frames that name it, a light cache behind or
- * instead of them.
- * Materials and screens write albedo and exitance of clusters:
+ * compute/lightmap_pass.h, light_cache.h, material_pass.h and screen_pass.h, whose headers say more. Each
+ * pass is of one system of a relume_solver and is recorded in the frames that name it, a light cache behind
+ * or instead of them. Materials and screens write albedo and exitance of clusters:
  *
  *   relume_materials_create, _bind        memory through the host's relume_allocate
  *   relume_record_upload                  until nothing is pending: all is as stored
@@ -32,8 +31,8 @@ extern "C" {
  * any, and a form factor counts once for each.
  *
  * Lightings are numbers from 0. What does not name one means number 0, where relume_add_lights and the passes
- * below write and read too: a relume_input_copy whose source is relume_input takes what they wrote in the frame
- * before to another. Null buffers for a lighting that is not there. */
+ * below write and read too: a relume_input_copy whose source is relume_input takes what they wrote in the
+ * frame before to another. Null buffers for a lighting that is not there. */
 relume_buffer_range relume_input_of(const relume_solver* solver, uint32_t system, relume_quantity quantity,
                                     uint32_t lighting);
 relume_buffer_range relume_radiosity_of(const relume_solver* solver, uint32_t system, uint32_t lighting);

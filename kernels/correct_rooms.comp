@@ -8,14 +8,17 @@
 #include "include/rooms.glsl"
 
 void main() {
-  const uint step_size = gl_NumWorkGroups.x * kWorkgroupSize;
   const float most = uintBitsToFloat(range.first_row);
-  for (uint cluster = gl_GlobalInvocationID.x; cluster < range.count; cluster += step_size) {
+  uint cluster = gl_GlobalInvocationID.x;
+  if (cluster >= range.count) return;
+  do {
     const uint room = room_of_cluster[range.block_row + cluster];
-    if (room == kNoRoom) continue;
-    const uint sender = in_lighting(range.first_sender) + cluster;
-    const vec3 corrected =
-        radiosity[sender].rgb + albedo[cluster].rgb * room_sums[first_room() + room].rgb;
-    radiosity[sender] = vec4(clamp(corrected, vec3(0.0), vec3(most)), 0.0);
-  }
+    if (room != kNoRoom) {
+      const uint sender = in_lighting(range.first_sender) + cluster;
+      const vec3 corrected =
+          radiosity[sender].rgb + albedo[cluster].rgb * room_sums[first_room() + room].rgb;
+      radiosity[sender] = vec4(clamp(corrected, vec3(0.0), vec3(most)), 0.0);
+    }
+    cluster += gl_NumWorkGroups.x * kWorkgroupSize;
+  } while (cluster < range.count);
 }

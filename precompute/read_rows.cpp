@@ -10,27 +10,13 @@
 #include <system_error>
 
 #include "core/decode_sections.h"
+#include "core/file_descriptor.h"
 #include "precompute/rows_file.h"
 
 namespace relume {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Owns a file descriptor.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 /// Memory that nobody filled before, in large pages where the system has some: these files are large, and
 /// first touches of small pages take longer than reading.
@@ -73,7 +59,7 @@ Result<RowsFile> read(const fs::path& file, int descriptor) {
 }  // namespace
 
 Result<RowsFile> read_rows(const fs::path& file) {
-  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  const FileDescriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (descriptor.get() < 0) {
     return fail(ErrorCode::bad_input, fmt::format("{}: expected a file, found {}", file.string(),
                                                   std::generic_category().message(errno)));

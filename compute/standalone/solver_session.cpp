@@ -81,8 +81,8 @@ Result<void> SolverSession::load(const Model& model) {
 std::uint64_t SolverSession::bounce_cost() const {
   std::uint64_t cost = 0;
   for (const SystemTraits& traits : solver_.traits()) {
-    for (const StepKernel kernel : {StepKernel::import_radiosity, StepKernel::bounce, StepKernel::small_nodes,
-                                    StepKernel::nodes}) {
+    for (const StepKernel kernel :
+         {StepKernel::import_radiosity, StepKernel::bounce, StepKernel::small_nodes, StepKernel::nodes}) {
       const std::vector<std::uint64_t>& costs = traits.costs[static_cast<std::size_t>(kernel)];
       cost = std::accumulate(costs.begin(), costs.end(), cost);
     }

@@ -7,8 +7,9 @@
 // their nodes. They lie together in one buffer, twice for a system, which reads one half and writes the
 // other; where, a table says, so that import tables need not know which systems are loaded.
 //
-// Of several lightings (include/lightings.glsl), radiosity, residuals, irradiance, exitance, direct, probe coefficients
-// and room sums are in planes, one lighting after the other: what is said of their elements here is said of a plane.
+// Of several lightings (include/lightings.glsl), radiosity, residuals, irradiance, exitance, direct, probe
+// coefficients and room sums are in planes, one lighting after the other: what is said of their elements here
+// is said of a plane.
 #ifndef RELUME_KERNELS_BINDINGS_H
 #define RELUME_KERNELS_BINDINGS_H
 
@@ -32,9 +33,9 @@ const uint kNotLoaded = 0xffffffffu;
 
 /// Set of one system, or of the sky.
 const uint kSystemSet = 1u;
-// uvec4 per import: number of the system (that of the sky is the number of systems), index of the sender, bits
-// of its share, and 0 or where in this buffer the next part is. A sender of a system or of the sky has one
-// part, of share 1; a node above the systems several, of which all but the first follow the imports.
+// uvec4 per import: number of the system (that of the sky is the number of systems), index of the sender,
+// bits of its share, and 0 or where in this buffer the next part is. A sender of a system or of the sky has
+// one part, of share 1; a node above the systems several, of which all but the first follow the imports.
 const uint kImportsBinding = 0u;
 const uint kLocalRadiosityBinding = 1u;  // vec4, or as kHalfSendersConstant says four halves in a uvec2, per
                                          // import and lighting of it: b of the sender

@@ -19,9 +19,9 @@ struct Range {
                    // among the elements of a lighting; nodes: senders from a lighting to the next; residual:
                    // number of the system; restrict_rooms: its first segment; solve_rooms: number of rooms;
                    // correct_rooms: cluster of all systems that is its cluster 0
-  uint first_sender;  // sender 0 of the system in the half that is written, as all senders here of lighting 0;
-                      // nodes: counted from its half 0; residual: in the half that counts; directions: number
-                      // of rows of the block
+  uint first_sender;  // sender 0 of the system in the half that is written, as all senders here of lighting
+                      // 0; nodes: counted from its half 0; residual: in the half that counts; directions:
+                      // number of rows of the block
   // ---- 16 bytes
 };
 

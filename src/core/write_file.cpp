@@ -12,28 +12,13 @@
 #include <system_error>
 #include <vector>
 
+#include "core/file_descriptor.h"
 #include "core/model_file.h"
 
 namespace relume {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Owns a file descriptor.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  int get() const { return fd_; }
-  bool open() const { return fd_ >= 0; }
-
- private:
-  int fd_;
-};
 
 /// Removes a file unless it was given its final name.
 class TemporaryName {
@@ -97,7 +82,7 @@ Result<void> write_all(int fd, Parts parts, const fs::path& file) {
 
 /// Devices and pipes cannot be replaced; they are written into.
 Result<void> write_into(const fs::path& file, Parts bytes) {
-  const Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CLOEXEC));
+  const FileDescriptor descriptor(::open(file.c_str(), O_WRONLY | O_CLOEXEC));
   if (!descriptor.open()) return cannot("open", file, errno);
   return write_all(descriptor.get(), bytes, file);
 }
@@ -117,7 +102,7 @@ int create_temporary(const fs::path& file, fs::path& temporary) {
 
 Result<void> sync_folder(const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  const Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const FileDescriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   // Some file systems cannot sync a folder (EINVAL); the file itself is safe by then.
   if (!descriptor.open() || (::fsync(descriptor.get()) != 0 && errno != EINVAL))
     return cannot("sync", folder, errno);
@@ -130,7 +115,7 @@ Result<void> replace(const fs::path& file, Parts bytes) {
   if (created < 0) return cannot("create", file, errno);
   TemporaryName temporary(path);
   {
-    const Descriptor descriptor(created);
+    const FileDescriptor descriptor(created);
     if (auto written = write_all(descriptor.get(), bytes, file); !written) return written;
     if (::fsync(descriptor.get()) != 0) return cannot("sync", file, errno);
   }
