@@ -22,11 +22,12 @@ struct PlacedProbes {
 /// inside geometry: one on or just in a surface is moved off it. Refused (usage) beyond a million.
 Result<PlacedProbes> place_probe_grid(const Geometry& geometry, const RayCaster& caster, double spacing);
 
-/// An octree: of its cells, those are halved that add most to the error between probes for each probe that
-/// this takes, until it is at most `error`: of irradiance, relative to what it is there (or to a tenth of its
-/// root mean square in the room), root mean square over free space inside the box of the geometry and over
-/// the probing emissions. Free space that no probe sees is off by all of its light. Cells are halved
-/// three times at most; what is off in the smallest ones is not counted. Cancelled when the observer says so.
+/// A tree of boxes: of its cells, those are halved, and across that axis, that lessen the error between
+/// probes most for each probe that this takes, until it is at most `error`: of irradiance, relative to what
+/// it is there (or to a tenth of its root mean square in the room), root mean square over free space inside
+/// the box of the geometry and over the probing emissions. Free space that no probe sees is off by all of its
+/// light. Cells are halved four times at most across each axis; what is off in the smallest ones is not
+/// counted. Cancelled when the observer says so.
 Result<PlacedProbes> place_probes(const RowScene& scene, const Probing& probing, double error,
                                   RowCounts& counts, const ProgressObserver& observer);
 

@@ -37,7 +37,7 @@ constexpr double kEnough = 1.1, kWorthwhile = 0.8;
 constexpr int kMostAttempts = 3;
 /// Light between probes that are placed automatically may be off by so much, or by the error target if that
 /// is more.
-constexpr double kProbeError = 0.15;
+constexpr double kProbeError = 0.12;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

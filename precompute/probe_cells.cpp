@@ -20,7 +20,7 @@ constexpr std::size_t kSamples = kSamplesAlong.size() * kSamplesAlong.size() * k
 constexpr std::array<double, 5> kSharesAlong{0.125, 0.25, 0.25, 0.25, 0.125};
 /// Rays end so much before a sample, so that those on a surface are seen.
 constexpr float kShort = 0.999f;
-/// Planes nearer than this to each other, in edges of the cell, are one.
+/// Planes nearer than this to each other, in shortest edges of the cell, are one.
 constexpr float kSamePlane = 1e-3f;
 /// A seen sample that is cut off counts so much against hidden ones.
 constexpr double kLoss = 0.5;
@@ -36,11 +36,12 @@ double sample_share(std::size_t sample) {
 
 class CellCutter {
  public:
-  CellCutter(const Geometry& geometry, const RayCaster& caster, const glm::vec3& lower, float edge)
-      : geometry_(geometry), caster_(caster), edge_(edge) {
+  CellCutter(const Geometry& geometry, const RayCaster& caster, const glm::vec3& lower,
+             const glm::vec3& edges)
+      : geometry_(geometry), caster_(caster), same_(kSamePlane * std::min({edges.x, edges.y, edges.z})) {
     for (const float z : kSamplesAlong) {
       for (const float y : kSamplesAlong) {
-        for (const float x : kSamplesAlong) samples_.push_back(lower + edge * glm::vec3(x, y, z));
+        for (const float x : kSamplesAlong) samples_.push_back(lower + edges * glm::vec3(x, y, z));
       }
     }
   }
@@ -100,7 +101,7 @@ class CellCutter {
 
   bool same(const glm::vec4& a, const glm::vec4& b) const {
     const float along = glm::dot(glm::vec3(a), glm::vec3(b));
-    return std::abs(along) > 0.9999f && std::abs(a.w - std::copysign(b.w, along * b.w)) < kSamePlane * edge_;
+    return std::abs(along) > 0.9999f && std::abs(a.w - std::copysign(b.w, along * b.w)) < same_;
   }
 
   void add_candidate(std::uint32_t triangle) {
@@ -154,7 +155,7 @@ class CellCutter {
 
   const Geometry& geometry_;
   const RayCaster& caster_;
-  float edge_;
+  float same_;  ///< m
   std::vector<glm::vec3> samples_;
   std::vector<glm::vec4> planes_;      ///< in use
   std::vector<SampleSet> behind_;      ///< per plane in use: samples that are not in front
@@ -165,8 +166,8 @@ class CellCutter {
 
 CutCell cut_cell(const Geometry& geometry, const RayCaster& caster,
                  const std::array<std::uint32_t, 8>& probes, std::span<const glm::vec3> positions,
-                 const glm::vec3& lower, float edge) {
-  CellCutter cutter(geometry, caster, lower, edge);
+                 const glm::vec3& lower, const glm::vec3& edges) {
+  CellCutter cutter(geometry, caster, lower, edges);
   CutCell result;
   SampleSet all;
   for (std::uint32_t c = 0; c < 8; ++c) {

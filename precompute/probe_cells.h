@@ -22,11 +22,11 @@ struct CutCell {
   double covered = 0.0, uncovered = 0.0;
 };
 
-/// The cell from `lower` on. Samples of it are looked at from each probe; those that are hidden are cut off
-/// by planes of the surfaces that hide them, and with them as little as can be of what is seen. A corner for
-/// which there is no plane left has no probe.
+/// The cell of `edges` (m) from `lower` on. Samples of it are looked at from each probe; those that are
+/// hidden are cut off by planes of the surfaces that hide them, and with them as little as can be of what is
+/// seen. A corner for which there is no plane left has no probe.
 CutCell cut_cell(const Geometry& geometry, const RayCaster& caster,
                  const std::array<std::uint32_t, 8>& probes, std::span<const glm::vec3> positions,
-                 const glm::vec3& lower, float edge);
+                 const glm::vec3& lower, const glm::vec3& edges);
 
 }  // namespace relume

@@ -14,8 +14,8 @@ namespace {
 
 /// Rays of a place: noise of about 1 % of its Y00.
 constexpr std::uint32_t kRaysPerPoint = 1024;
-/// Samples of root cells, and of those that are halved.
-constexpr std::size_t kRootSamples = 32, kCellSamples = 16;
+/// Samples of root cells, and of their halves.
+constexpr std::size_t kRootSamples = 256, kCellSamples = 64;
 /// What a place where no probe speaks counts for: all of its light is off.
 constexpr double kBlack = 1.0;
 /// A lighting by emitters counts for so many others, so that together they are half of all: lamps shine.
@@ -75,12 +75,16 @@ void ProbeCritic::rate(std::size_t first) {
   glance(tree_.lattice().positions(), probes_);
   draw_samples(first);
   glance(samples_, seen_);
-  tbb::parallel_for(first, tree_.cells().size(), [&](std::size_t i) {
-    OpenCell& cell = tree_.cells()[i];
-    const double edges = double(cell.edge), volume = edges * edges * edges;
-    cell.free = volume * (cell.cut.covered + cell.cut.uncovered);
-    cell.loss = volume * (cell.cut.covered * squared_error(cell) + kBlack * cell.cut.uncovered);
-  });
+  tbb::parallel_for(first, tree_.cells().size(), [&](std::size_t i) { set_loss(tree_.cells()[i]); });
+  tree_.propose(first);
+  glance(tree_.lattice().positions(), probes_);
+  tbb::parallel_for(first, tree_.cells().size(), [&](std::size_t i) { hand_down(tree_.cells()[i]); });
+}
+
+void ProbeCritic::set_loss(OpenCell& cell) const {
+  const double volume = double(cell.edges[0]) * double(cell.edges[1]) * double(cell.edges[2]);
+  cell.free = volume * (cell.cut.covered + cell.cut.uncovered);
+  cell.loss = volume * (cell.cut.covered * squared_error(cell) + kBlack * cell.cut.uncovered);
 }
 
 void ProbeCritic::add_counts(RowCounts& counts) const {
@@ -96,11 +100,8 @@ void ProbeCritic::glance(const std::vector<glm::vec3>& places, std::vector<Glimp
   });
 }
 
-/// Children take over the samples of their parent that lie in them; then each cell gets its fill.
+/// Each cell gets its fill, beside what it had as a half of another.
 void ProbeCritic::draw_samples(std::size_t first) {
-  for (const OpenCell& parent : tree_.cells()) {
-    if (parent.first_child != 0 && parent.first_child >= first) hand_down(parent);
-  }
   std::vector<std::vector<glm::vec3>> drawn(tree_.cells().size() - first);
   const std::size_t wanted = first == 0 ? kRootSamples : kCellSamples;
   tbb::parallel_for(std::size_t{0}, drawn.size(),
@@ -113,13 +114,14 @@ void ProbeCritic::draw_samples(std::size_t first) {
   }
 }
 
-void ProbeCritic::hand_down(const OpenCell& parent) {
-  const glm::vec3 middle = tree_.lattice().place(parent.lower) + 0.5f * tree_.edge_of(parent);
-  for (const std::uint32_t s : parent.samples) {
-    const glm::vec3& p = samples_[s];
-    const std::uint32_t child =
-        (p.x >= middle.x ? 1u : 0u) + (p.y >= middle.y ? 2u : 0u) + (p.z >= middle.z ? 4u : 0u);
-    tree_.cells()[parent.first_child + child].samples.push_back(s);
+/// Halves of a cell take over its samples.
+void ProbeCritic::hand_down(OpenCell& cell) const {
+  for (CellSplit& split : cell.splits) {
+    const auto axis = int(split.axis);
+    const float meet = tree_.lattice().place(split.halves[1].lower)[axis];
+    for (const std::uint32_t s : cell.samples)
+      split.halves[samples_[s][axis] >= meet ? 1 : 0].samples.push_back(s);
+    for (OpenCell& half : split.halves) set_loss(half);
   }
 }
 
@@ -134,7 +136,7 @@ std::vector<glm::vec3> ProbeCritic::new_samples(std::size_t index, std::size_t w
   const float shift = 0.5f + 0.618034f * float(index % 1024);
   for (std::size_t k = 0; k < 2 * missing && samples.size() < missing; ++k) {
     const glm::vec3 within = glm::fract(shift + float(k + 1) * glm::vec3(0.8191725f, 0.6710436f, 0.5497005f));
-    const glm::vec3 point = lower + tree_.edge_of(cell) * within;
+    const glm::vec3 point = lower + tree_.edges_of(cell) * within;
     if (inside_box(scene_.geometry, point) && in_free_space(scene_.geometry, scene_.caster, point, 0.0f))
       samples.push_back(point);
   }
@@ -148,7 +150,7 @@ double ProbeCritic::squared_error(const OpenCell& cell) const {
   double squares = 0.0, told_samples = 0.0;
   for (const std::uint32_t s : cell.samples) {
     const std::optional<Glimpse> told =
-        between(cell, samples_[s], (samples_[s] - lower) / tree_.edge_of(cell));
+        between(cell, samples_[s], (samples_[s] - lower) / tree_.edges_of(cell));
     if (!told) continue;
     squares += squared_difference(seen_[s], *told, probing_, share);
     told_samples += 1.0;
@@ -162,7 +164,7 @@ std::optional<Glimpse> ProbeCritic::between(const OpenCell& cell, const glm::vec
   Glimpse sum;
   float total = 0.0f;
   const std::array<float, 8> weights =
-      corner_weights(cell.cut.cell, cell.cut.planes, tree_.edge_of(cell), position, within);
+      corner_weights(cell.cut.cell, cell.cut.planes, tree_.edges_of(cell), position, within);
   for (std::uint32_t c = 0; c < 8; ++c) {
     if (!(weights[c] > 0.0f)) continue;
     total += weights[c];

@@ -29,8 +29,8 @@ class ProbeCritic {
   /// Borrows all.
   ProbeCritic(const RowScene& scene, const Probing& probing, ProbeTree& tree);
 
-  /// Sets what the cells from `first` on lose; they are new. In the calling task arena; the same for any
-  /// number of threads.
+  /// Proposes splits of the cells from `first` on, which are new, and sets what both lose. In the calling
+  /// task arena; the same for any number of threads.
   void rate(std::size_t first);
 
   /// Places that were looked from: probes, and those between them. Each takes about 600 bytes.
@@ -41,7 +41,8 @@ class ProbeCritic {
  private:
   void glance(const std::vector<glm::vec3>& places, std::vector<Glimpse>& glimpses);
   void draw_samples(std::size_t first);
-  void hand_down(const OpenCell& parent);
+  void hand_down(OpenCell& cell) const;
+  void set_loss(OpenCell& cell) const;
   std::vector<glm::vec3> new_samples(std::size_t cell, std::size_t wanted) const;
   double squared_error(const OpenCell& cell) const;
   std::optional<Glimpse> between(const OpenCell& cell, const glm::vec3& position,

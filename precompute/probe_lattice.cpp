@@ -17,7 +17,7 @@ namespace {
 constexpr int kLookingDirections = 32;
 /// A few back faces are seen through any gap.
 constexpr int kMostBackFaces = kLookingDirections / 8;
-/// Share of a cell's edge that probes keep off surfaces, and by which they may move.
+/// Share of a cell's edges that probes keep off surfaces, and by which they may move.
 constexpr float kClearance = 0.02f;
 constexpr std::array<float, 3> kMoves{0.05f, 0.15f, 0.33f};
 
@@ -33,15 +33,16 @@ std::array<glm::vec3, kLookingDirections> make_directions() {
 }
 
 std::optional<glm::vec3> find_room(const Geometry& geometry, const RayCaster& caster, const glm::vec3& corner,
-                                   float edge) {
-  const float clearance = std::max(kClearance * edge, 4.0f * geometry.offset);
+                                   const glm::vec3& edges) {
+  const float shortest = std::min({edges.x, edges.y, edges.z});
+  const float clearance = std::max(kClearance * shortest, 4.0f * geometry.offset);
   if (in_free_space(geometry, caster, corner, clearance)) return corner;
   for (const float move : kMoves) {
     for (int straight = 1; straight <= 3; ++straight) {
       for (int way = 0; way < 27; ++way) {
         const glm::vec3 step(glm::ivec3(way % 3 - 1, way / 3 % 3 - 1, way / 9 - 1));
         if (int(glm::dot(step, step)) != straight) continue;
-        const glm::vec3 moved = corner + move * edge / std::sqrt(float(straight)) * step;
+        const glm::vec3 moved = corner + move / std::sqrt(float(straight)) * edges * step;
         if (in_free_space(geometry, caster, moved, clearance)) return moved;
       }
     }
@@ -71,13 +72,14 @@ bool in_free_space(const Geometry& geometry, const RayCaster& caster, const glm:
   return back_faces <= kMostBackFaces;
 }
 
-void ProbeLattice::add(std::vector<LatticePoint> points, float edge) {
+void ProbeLattice::add(std::vector<LatticePoint> points, const glm::vec3& edges) {
   std::sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
   std::erase_if(points, [&](const LatticePoint& at) { return probes_.contains(at); });
   std::vector<std::optional<glm::vec3>> found(points.size());
-  tbb::parallel_for(std::size_t{0}, points.size(),
-                    [&](std::size_t i) { found[i] = find_room(geometry_, caster_, place(points[i]), edge); });
+  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+    found[i] = find_room(geometry_, caster_, place(points[i]), edges);
+  });
   for (std::size_t i = 0; i < points.size(); ++i) {
     probes_[points[i]] = found[i] ? std::uint32_t(positions_.size()) : kNoProbe;
     if (found[i]) positions_.push_back(*found[i]);

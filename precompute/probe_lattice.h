@@ -32,17 +32,20 @@ inline bool inside_box(const Geometry& geometry, const glm::vec3& point) {
 
 class ProbeLattice {
  public:
-  /// Borrows `geometry` and `caster`. `step`: m.
-  ProbeLattice(const Geometry& geometry, const RayCaster& caster, const glm::vec3& lower, float step)
+  /// Borrows `geometry` and `caster`. `step`: m, along each axis.
+  ProbeLattice(const Geometry& geometry, const RayCaster& caster, const glm::vec3& lower,
+               const glm::vec3& step)
       : geometry_(geometry), caster_(caster), lower_(lower), step_(step) {}
 
-  glm::vec3 place(const LatticePoint& at) const {
-    return lower_ + step_ * glm::vec3(float(at[0]), float(at[1]), float(at[2]));
+  glm::vec3 place(const LatticePoint& at) const { return lower_ + size(at); }
+  /// m along each axis of a box of so many steps.
+  glm::vec3 size(const LatticePoint& edges) const {
+    return step_ * glm::vec3(float(edges[0]), float(edges[1]), float(edges[2]));
   }
 
-  /// Finds room for a probe at each of `points` that is new: there, or up to a third of `edge` (m) away. In
+  /// Finds room for a probe at each of `points` that is new: there, or up to a third of `edges` (m) away. In
   /// the calling task arena; the same for any number of threads.
-  void add(std::vector<LatticePoint> points, float edge);
+  void add(std::vector<LatticePoint> points, const glm::vec3& edges);
 
   /// Number of the probe of a point that was added; kNoProbe where there is no room.
   std::uint32_t probe(const LatticePoint& at) const { return probes_.at(at); }
@@ -54,7 +57,7 @@ class ProbeLattice {
   const Geometry& geometry_;
   const RayCaster& caster_;
   glm::vec3 lower_;
-  float step_;
+  glm::vec3 step_;
   std::map<LatticePoint, std::uint32_t> probes_;
   std::vector<glm::vec3> positions_;
 };

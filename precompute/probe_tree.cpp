@@ -7,38 +7,59 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <glm/common.hpp>
 #include <map>
 #include <numeric>
 
 namespace relume {
 namespace {
 
-/// Corners, middles of edges and of faces, and the middle of a cell.
-constexpr int kPlaces = 27;
-
-/// One of them, x fastest.
-LatticePoint place(const OpenCell& cell, int i) {
-  const std::int32_t half = cell.edge / 2;
-  return {cell.lower[0] + half * (i % 3), cell.lower[1] + half * (i / 3 % 3), cell.lower[2] + half * (i / 9)};
+LatticePoint corner_of(const OpenCell& cell, std::uint32_t corner) {
+  LatticePoint at = cell.lower;
+  for (std::size_t axis = 0; axis < 3; ++axis) at[axis] += (corner >> axis & 1u) != 0 ? cell.edges[axis] : 0;
+  return at;
 }
 
-LatticePoint corner_of(const OpenCell& cell, std::int32_t edge, std::uint32_t corner) {
-  return {cell.lower[0] + ((corner & 1u) != 0 ? edge : 0), cell.lower[1] + ((corner & 2u) != 0 ? edge : 0),
-          cell.lower[2] + ((corner & 4u) != 0 ? edge : 0)};
+CellSplit split_of(const OpenCell& cell, std::uint32_t axis) {
+  CellSplit split{axis, {OpenCell{cell.lower, cell.edges}, OpenCell{cell.lower, cell.edges}}};
+  for (OpenCell& half : split.halves) half.edges[axis] /= 2;
+  split.halves[1].lower[axis] += split.halves[1].edges[axis];
+  return split;
+}
+
+glm::dvec3 size_of(const Geometry& geometry) {
+  return glm::dvec3(geometry.upper) - glm::dvec3(geometry.lower);
+}
+
+std::array<std::uint32_t, 3> cells_along(const glm::dvec3& size, double edge) {
+  std::array<std::uint32_t, 3> counts{};
+  for (int axis = 0; axis < 3; ++axis)
+    counts[std::size_t(axis)] = std::uint32_t(std::max(1.0, std::ceil(size[axis] / edge - 1e-6)));
+  return counts;
+}
+
+glm::dvec3 to_vector(const std::array<std::uint32_t, 3>& counts) {
+  return {double(counts[0]), double(counts[1]), double(counts[2])};
 }
 
 }  // namespace
 
-ProbeVolume root_volume(const Geometry& geometry, double edge) {
+ProbeVolume cubic_roots(const Geometry& geometry, double edge) {
   ProbeVolume volume;
-  const glm::dvec3 size = glm::dvec3(geometry.upper) - glm::dvec3(geometry.lower);
-  glm::dvec3 whole(0.0);
-  for (int axis = 0; axis < 3; ++axis) {
-    volume.counts[std::size_t(axis)] = std::uint32_t(std::max(1.0, std::ceil(size[axis] / edge - 1e-6)));
-    whole[axis] = edge * volume.counts[std::size_t(axis)];
-  }
-  volume.lower = glm::vec3(glm::dvec3(geometry.lower) - 0.5 * (whole - size));
-  volume.edge = float(edge);
+  const glm::dvec3 size = size_of(geometry);
+  volume.counts = cells_along(size, edge);
+  volume.lower = glm::vec3(glm::dvec3(geometry.lower) - 0.5 * (edge * to_vector(volume.counts) - size));
+  volume.edges = glm::vec3(float(edge));
+  return volume;
+}
+
+ProbeVolume fitted_roots(const Geometry& geometry, double edge) {
+  ProbeVolume volume;
+  const glm::dvec3 size = glm::max(size_of(geometry), glm::dvec3(edge));
+  volume.counts = cells_along(size, edge);
+  volume.lower = glm::vec3(glm::dvec3(geometry.lower) - 0.5 * (size - size_of(geometry)));
+  volume.edges = glm::vec3(size / to_vector(volume.counts));
   return volume;
 }
 
@@ -47,34 +68,64 @@ ProbeTree::ProbeTree(const Geometry& geometry, const RayCaster& caster, const Pr
     : geometry_(geometry),
       caster_(caster),
       volume_(roots),
-      lattice_(geometry, caster, roots.lower, roots.edge / float(1u << depth)),
-      step_(roots.edge / float(1u << depth)) {
+      lattice_(geometry, caster, roots.lower, roots.edges / float(1u << depth)) {
   const auto edge = std::int32_t(1u << depth);
   for (std::uint32_t i = 0; i < roots.counts[0] * roots.counts[1] * roots.counts[2]; ++i) {
     const std::uint32_t x = i % roots.counts[0], yz = i / roots.counts[0];
     const std::uint32_t y = yz % roots.counts[1], z = yz / roots.counts[1];
-    cells_.push_back({{std::int32_t(x) * edge, std::int32_t(y) * edge, std::int32_t(z) * edge}, edge});
+    cells_.push_back(
+        {{std::int32_t(x) * edge, std::int32_t(y) * edge, std::int32_t(z) * edge}, {edge, edge, edge}});
   }
-  cut_from(0);
+  std::vector<const OpenCell*> added;
+  for (const OpenCell& cell : cells_) {
+    added.push_back(&cell);
+    for (std::uint32_t c = 0; c < 8; ++c) corners_.insert(corner_of(cell, c));
+  }
+  add_corners(added);
+  tbb::parallel_for(std::size_t{0}, cells_.size(), [&](std::size_t i) { cut(cells_[i]); });
 }
 
-double ProbeTree::cost_of_halving(const OpenCell& cell) const {
-  double added = 0.0;
-  for (int k = 0; k < kPlaces; ++k) added += corners_.contains(place(cell, k)) ? 0.0 : 1.0;
-  return std::max(added, 1.0);
-}
-
-void ProbeTree::halve(std::span<const std::uint32_t> halved) {
-  const std::size_t first = cells_.size();
-  for (const std::uint32_t i : halved) {
-    cells_[i].first_child = std::uint32_t(cells_.size());
-    cells_[i].cut = {};
-    for (std::uint32_t c = 0; c < 8; ++c) {
-      const std::int32_t edge = cells_[i].edge / 2;
-      cells_.push_back({corner_of(cells_[i], edge, c), edge});
+void ProbeTree::propose(std::size_t first) {
+  for (std::size_t i = first; i < cells_.size(); ++i) {
+    for (std::uint32_t axis = 0; axis < 3 && cells_[i].loss > 0.0; ++axis) {
+      if (cells_[i].edges[axis] >= 2) cells_[i].splits.push_back(split_of(cells_[i], axis));
     }
   }
-  cut_from(first);
+  std::vector<const OpenCell*> added;
+  for (std::size_t i = first; i < cells_.size(); ++i) {
+    for (const CellSplit& split : cells_[i].splits) {
+      for (const OpenCell& half : split.halves) added.push_back(&half);
+    }
+  }
+  add_corners(added);
+  tbb::parallel_for(first, cells_.size(), [&](std::size_t i) {
+    for (CellSplit& split : cells_[i].splits) {
+      for (OpenCell& half : split.halves) cut(half);
+    }
+  });
+}
+
+double ProbeTree::cost_of(const CellSplit& split) const {
+  double added = 0.0;
+  for (std::uint32_t c = 0; c < 8; ++c) {
+    const LatticePoint at = corner_of(split.halves[1], c);
+    if ((c >> split.axis & 1u) == 0 && !corners_.contains(at) && lattice_.probe(at) != kNoProbe) added += 1.0;
+  }
+  return added;
+}
+
+void ProbeTree::split(std::span<const ChosenSplit> chosen) {
+  for (const ChosenSplit& choice : chosen) {
+    CellSplit split = std::move(cells_[choice.cell].splits[choice.split]);
+    cells_[choice.cell].first_child = std::uint32_t(cells_.size());
+    cells_[choice.cell].axis = split.axis;
+    cells_[choice.cell].splits.clear();
+    cells_[choice.cell].cut = {};
+    for (OpenCell& half : split.halves) {
+      for (std::uint32_t c = 0; c < 8; ++c) corners_.insert(corner_of(half, c));
+      cells_.push_back(std::move(half));
+    }
+  }
 }
 
 PlacedProbes ProbeTree::finish() {
@@ -96,23 +147,21 @@ PlacedProbes ProbeTree::finish() {
   return placed;
 }
 
-/// Probes at the corners of the cells from `first` on, and what each sees of its cell.
-void ProbeTree::cut_from(std::size_t first) {
-  std::map<std::int32_t, std::vector<LatticePoint>> points;
-  for (std::size_t i = first; i < cells_.size(); ++i) {
-    for (std::uint32_t c = 0; c < 8; ++c)
-      points[cells_[i].edge].push_back(corner_of(cells_[i], cells_[i].edge, c));
+/// Probes at the corners of cells; larger cells go first, for their probes may move further.
+void ProbeTree::add_corners(std::span<const OpenCell* const> cells) {
+  std::map<LatticePoint, std::vector<LatticePoint>, std::greater<>> points;
+  for (const OpenCell* cell : cells) {
+    for (std::uint32_t c = 0; c < 8; ++c) points[cell->edges].push_back(corner_of(*cell, c));
   }
-  for (auto& [edge, list] : points) {
-    corners_.insert(list.begin(), list.end());
-    lattice_.add(std::move(list), step_ * float(edge));
-  }
-  tbb::parallel_for(first, cells_.size(), [&](std::size_t i) {
-    std::array<std::uint32_t, 8> probes;
-    for (std::uint32_t c = 0; c < 8; ++c) probes[c] = lattice_.probe(corner_of(cells_[i], cells_[i].edge, c));
-    cells_[i].cut = cut_cell(geometry_, caster_, probes, lattice_.positions(),
-                             lattice_.place(cells_[i].lower), edge_of(cells_[i]));
-  });
+  for (auto& [edges, list] : points) lattice_.add(std::move(list), lattice_.size(edges));
+}
+
+/// What each of its probes sees of it.
+void ProbeTree::cut(OpenCell& cell) const {
+  std::array<std::uint32_t, 8> probes;
+  for (std::uint32_t c = 0; c < 8; ++c) probes[c] = lattice_.probe(corner_of(cell, c));
+  cell.cut =
+      cut_cell(geometry_, caster_, probes, lattice_.positions(), lattice_.place(cell.lower), edges_of(cell));
 }
 
 /// Level by level, as ProbeVolume has it.
@@ -123,8 +172,8 @@ void ProbeTree::fill_volume() {
   for (std::size_t n = 0; n < order.size(); ++n) {
     const OpenCell& cell = cells_[order[n]];
     if (cell.first_child != 0) {
-      volume_.nodes.push_back(std::uint32_t(order.size()));
-      for (std::uint32_t c = 0; c < 8; ++c) order.push_back(cell.first_child + c);
+      volume_.nodes.push_back(std::uint32_t(order.size()) | cell.axis << kProbeAxisShift);
+      order.insert(order.end(), {cell.first_child, cell.first_child + 1});
     } else if (cell.cut.covered > 0.0) {
       volume_.nodes.push_back(kProbeCellBit | std::uint32_t(volume_.cells.size()));
       volume_.cells.push_back(cell.cut.cell);

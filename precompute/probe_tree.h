@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// The octree of cells between light probes while it grows.
+// The tree of cells between light probes while it grows.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <set>
@@ -15,48 +16,70 @@
 
 namespace relume {
 
-/// A cell while the tree grows: its lower corner and edge in steps of the lattice.
+struct CellSplit;
+
+/// A cell while the tree grows: its lower corner and edges in steps of the lattice.
 struct OpenCell {
   LatticePoint lower{};
-  std::int32_t edge = 1;
-  std::uint32_t first_child = 0;  ///< of eight, numbered as corners; 0: none
+  LatticePoint edges{1, 1, 1};
+  std::uint32_t first_child = 0;  ///< of two, the lower one first; 0: none
+  std::uint32_t axis = 0;         ///< across which they lie
   CutCell cut{};
   std::vector<std::uint32_t> samples{};  ///< of the critic, that lie in it
-  double free = 0.0;                     ///< volume of its free space, in cubes of the lattice's step
+  double free = 0.0;                     ///< volume of its free space, in boxes of the lattice's steps
   double loss = 0.0;                     ///< that times the mean square of what is off in it
+  std::vector<CellSplit> splits{};       ///< what it could become
+};
+
+/// The halves of a cell across an axis.
+struct CellSplit {
+  std::uint32_t axis = 0;
+  std::array<OpenCell, 2> halves{};
+};
+
+/// A cell that is to be halved, by one of its splits.
+struct ChosenSplit {
+  std::uint32_t cell = 0, split = 0;
 };
 
 /// Root cells of `edge` (m) over the box of the geometry, in the middle of it.
-ProbeVolume root_volume(const Geometry& geometry, double edge);
+ProbeVolume cubic_roots(const Geometry& geometry, double edge);
+
+/// As few root cells of at most `edge` (m) as fill the box of the geometry, which is taken to be no thinner
+/// than `edge`.
+ProbeVolume fitted_roots(const Geometry& geometry, double edge);
 
 class ProbeTree {
  public:
-  /// Borrows `geometry` and `caster`. Cells can be halved `depth` times.
+  /// Borrows `geometry` and `caster`. Cells can be halved `depth` times across each axis.
   ProbeTree(const Geometry& geometry, const RayCaster& caster, const ProbeVolume& roots, std::uint32_t depth);
 
   std::vector<OpenCell>& cells() { return cells_; }
   const std::vector<OpenCell>& cells() const { return cells_; }
-  float edge_of(const OpenCell& cell) const { return step_ * float(cell.edge); }
   const ProbeLattice& lattice() const { return lattice_; }
+  glm::vec3 edges_of(const OpenCell& cell) const { return lattice_.size(cell.edges); }
 
-  /// Places at which halving a cell needs probes that no other cell has, but 1 at least.
-  double cost_of_halving(const OpenCell& cell) const;
+  /// Sets the splits of the cells from `first` on that lose something.
+  void propose(std::size_t first);
 
-  /// Each of these cells becomes eight, which are the last cells afterwards.
-  void halve(std::span<const std::uint32_t> halved);
+  /// Probes that no cell has yet, of those that the halves need.
+  double cost_of(const CellSplit& split) const;
+
+  /// Each of these cells becomes two, which are the last cells afterwards.
+  void split(std::span<const ChosenSplit> chosen);
 
   /// Probes that no cell uses are left out.
   PlacedProbes finish();
 
  private:
-  void cut_from(std::size_t first);
+  void add_corners(std::span<const OpenCell* const> cells);
+  void cut(OpenCell& cell) const;
   void fill_volume();
 
   const Geometry& geometry_;
   const RayCaster& caster_;
   ProbeVolume volume_;  ///< its nodes, cells and planes at the end
   ProbeLattice lattice_;
-  float step_;
   std::vector<OpenCell> cells_;     ///< first the roots
   std::set<LatticePoint> corners_;  ///< of all cells
 };

@@ -24,7 +24,9 @@
 
 const uint relume_no_probe = 0xffffffffu;
 const uint relume_probe_cell_bit = 0x80000000u;
-const uint relume_probe_volume_header = 10u;
+const uint relume_probe_axis_shift = 29u;
+const uint relume_probe_child_mask = 0x1fffffffu;
+const uint relume_probe_volume_header = 12u;
 const uint relume_probe_cell_words = 14u;
 const uint relume_probe_harmonics = 9u;
 const float relume_probe_fade = 0.25;
@@ -45,21 +47,23 @@ vec4 relume_probe_volume_vec4(uint word) {
               uintBitsToFloat(RELUME_PROBE_VOLUME(word + 2u)), uintBitsToFloat(RELUME_PROBE_VOLUME(word + 3u)));
 }
 
-/// The entry of the cell in which a point lies; its edge (m), and the point within it, 0 to 1.
-uint relume_find_probe_cell(vec3 point, out float edge, out vec3 within) {
+/// The entry of the cell in which a point lies; its edges (m), and the point within it, 0 to 1.
+uint relume_find_probe_cell(vec3 point, out vec3 edges, out vec3 within) {
   const vec4 lower = relume_probe_volume_vec4(0u);
-  const uvec3 counts = uvec3(RELUME_PROBE_VOLUME(4u), RELUME_PROBE_VOLUME(5u), RELUME_PROBE_VOLUME(6u));
-  edge = lower.w;
-  const vec3 at = clamp((point - lower.xyz) / edge, vec3(0.0), vec3(counts));
+  const vec4 across = relume_probe_volume_vec4(4u);
+  edges = vec3(lower.w, across.xy);
+  const uvec3 counts = uvec3(RELUME_PROBE_VOLUME(6u), RELUME_PROBE_VOLUME(7u), RELUME_PROBE_VOLUME(8u));
+  const vec3 at = clamp((point - lower.xyz) / edges, vec3(0.0), vec3(counts));
   const vec3 root = min(floor(at), vec3(counts) - 1.0);
   const uvec3 r = uvec3(root);
   within = at - root;
   uint node = RELUME_PROBE_VOLUME(relume_probe_volume_header + r.x + counts.x * (r.y + counts.y * r.z));
   while ((node & relume_probe_cell_bit) == 0u) {
-    const vec3 child = min(floor(2.0 * within), vec3(1.0));
-    within = 2.0 * within - child;
-    edge *= 0.5;
-    node = RELUME_PROBE_VOLUME(relume_probe_volume_header + node + uint(child.x + 2.0 * child.y + 4.0 * child.z));
+    const bvec3 axis = equal(uvec3(node >> relume_probe_axis_shift), uvec3(0u, 1u, 2u));
+    const bool upper = 2.0 * dot(within, vec3(axis)) >= 1.0;
+    within = mix(within, 2.0 * within - vec3(upper), axis);
+    edges = mix(edges, 0.5 * edges, axis);
+    node = RELUME_PROBE_VOLUME(relume_probe_volume_header + (node & relume_probe_child_mask) + uint(upper));
   }
   return node;
 }
@@ -78,15 +82,16 @@ vec4 relume_left_by_plane(uvec4 sides, uint p, float towards) {
 }
 
 /// What all planes of a cell leave of its corners.
-void relume_cut_by_planes(uint cell, vec3 point, float edge, inout vec4 lower, inout vec4 upper) {
+void relume_cut_by_planes(uint cell, vec3 point, vec3 edges, inout vec4 lower, inout vec4 upper) {
   const uvec4 pairs = relume_probe_volume_uvec4(cell + 8u);
   const uvec4 lower_sides = uvec4(pairs.x & 0xffffu, pairs.x >> 16u, pairs.y & 0xffffu, pairs.y >> 16u);
   const uvec4 upper_sides = uvec4(pairs.z & 0xffffu, pairs.z >> 16u, pairs.w & 0xffffu, pairs.w >> 16u);
-  const uint first_plane = RELUME_PROBE_VOLUME(8u) + 4u * RELUME_PROBE_VOLUME(cell + 12u);
+  const uint first_plane = RELUME_PROBE_VOLUME(10u) + 4u * RELUME_PROBE_VOLUME(cell + 12u);
   const uint planes = RELUME_PROBE_VOLUME(cell + 13u);
   for (uint p = 0u; p < planes; ++p) {
     const vec4 plane = relume_probe_volume_vec4(first_plane + 4u * p);
-    const float towards = (dot(plane.xyz, point) + plane.w) / (relume_probe_fade * edge);
+    const float fade = relume_probe_fade * dot(abs(plane.xyz), edges);
+    const float towards = (dot(plane.xyz, point) + plane.w) / fade;
     lower *= relume_left_by_plane(lower_sides, p, towards);
     upper *= relume_left_by_plane(upper_sides, p, towards);
   }
@@ -96,11 +101,11 @@ void relume_cut_by_planes(uint cell, vec3 point, float edge, inout vec4 lower, i
 RelumeProbes relume_find_probes(vec3 point) {
   RelumeProbes found =
       RelumeProbes(uvec4(relume_no_probe), uvec4(relume_no_probe), vec4(0.0), vec4(0.0), false);
-  float edge;
+  vec3 edges;
   vec3 within;
-  const uint node = relume_find_probe_cell(point, edge, within);
+  const uint node = relume_find_probe_cell(point, edges, within);
   if (node != relume_no_probe) {
-    const uint cell = RELUME_PROBE_VOLUME(7u) + (node & ~relume_probe_cell_bit) * relume_probe_cell_words;
+    const uint cell = RELUME_PROBE_VOLUME(9u) + (node & ~relume_probe_cell_bit) * relume_probe_cell_words;
     found.lower = relume_probe_volume_uvec4(cell);
     found.upper = relume_probe_volume_uvec4(cell + 4u);
     const vec2 x = vec2(1.0 - within.x, within.x), y = vec2(1.0 - within.y, within.y);
@@ -109,7 +114,7 @@ RelumeProbes relume_find_probes(vec3 point) {
     vec4 upper = max(level * within.z, relume_least_corner_weight);
     lower = mix(lower, vec4(0.0), equal(found.lower, uvec4(relume_no_probe)));
     upper = mix(upper, vec4(0.0), equal(found.upper, uvec4(relume_no_probe)));
-    relume_cut_by_planes(cell, point, edge, lower, upper);
+    relume_cut_by_planes(cell, point, edges, lower, upper);
     const float sum = dot(lower + upper, vec4(1.0));
     found.covered = sum > 0.0;
     if (found.covered) {

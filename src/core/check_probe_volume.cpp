@@ -17,8 +17,10 @@ Result<void> check_grid(const ProbeVolume& volume) {
     return broken_model("probe volume: expected a node for each of {} root cells, found {}", roots,
                         volume.nodes.size());
   }
-  if (finite(volume.lower) && std::isfinite(volume.edge) && volume.edge > 0.0f) return {};
-  return broken_model("probe volume: expected a finite corner and an edge above 0, found {}", volume.edge);
+  const glm::vec3& edges = volume.edges;
+  if (finite(volume.lower) && finite(edges) && edges.x > 0.0f && edges.y > 0.0f && edges.z > 0.0f) return {};
+  return broken_model("probe volume: expected a finite corner and edges above 0, found {} x {} x {}", edges.x,
+                      edges.y, edges.z);
 }
 
 /// Children lie further on than their parents and belong to one, so there is no way in circles.
@@ -36,14 +38,17 @@ Result<void> check_nodes(const ProbeVolume& volume) {
       }
       continue;
     }
-    if (node != next || next + 8 > volume.nodes.size() || node <= n || depths[n] == kMaxProbeDepth) {
+    const std::uint32_t axis = node >> kProbeAxisShift, child = node & kProbeChildMask;
+    if (axis > 2 || child != next || next + 2 > volume.nodes.size() || child <= n ||
+        depths[n] == kMaxProbeDepth) {
       return broken_model(
-          "probe volume, node {}: expected children from {} on of {}, at most {} levels deep, "
-          "found {}",
-          n, next, volume.nodes.size(), kMaxProbeDepth, node);
+          "probe volume, node {}: expected halves across axis 0 to 2 from {} on of {}, at most {} levels "
+          "deep, "
+          "found axis {}, {}",
+          n, next, volume.nodes.size(), kMaxProbeDepth, axis, child);
     }
-    for (std::uint32_t c = 0; c < 8; ++c) depths[node + c] = depths[n] + 1;
-    next += 8;
+    depths[child] = depths[child + 1] = depths[n] + 1;
+    next += 2;
   }
   if (next == volume.nodes.size() && next_cell == volume.cells.size()) return {};
   return broken_model("probe volume: expected {} nodes and {} cells, as its nodes say, found {} and {}", next,

@@ -211,7 +211,7 @@ std::string_view id_of(const Section& section) {
 Result<void> read_probe_volume(const Section& section, ProbeVolume& volume) {
   ByteReader reader(section.bytes);
   volume.lower = reader.take<glm::vec3>();
-  volume.edge = reader.take<float>();
+  volume.edges = reader.take<glm::vec3>();
   volume.counts = reader.take<std::array<std::uint32_t, 3>>();
   return check_consumed(reader, section.record);
 }

@@ -92,7 +92,7 @@ void add_probe_volume(const ProbeVolume& volume, SectionWriter& file) {
   if (volume.nodes.empty()) return;
   ByteWriter head;
   head.put(volume.lower);
-  head.put(volume.edge);
+  head.put(volume.edges);
   head.put(volume.counts);
   file.add(kProbeVolume, kNone, head.bytes(), kSectionOptional);
   file.borrow_array(kProbeVolumeNodes, kNone, volume.nodes, kSectionOptional);

@@ -14,23 +14,24 @@ namespace {
 /// A cell and where a point lies in it.
 struct CellPoint {
   std::uint32_t node = kNoProbe;
-  float edge = 0.0f;       ///< m
+  glm::vec3 edges{0.0f};   ///< m
   glm::vec3 within{0.0f};  ///< 0 to 1
 };
 
 CellPoint find_cell(const ProbeVolume& volume, const glm::vec3& point) {
   const glm::vec3 counts(float(volume.counts[0]), float(volume.counts[1]), float(volume.counts[2]));
-  const glm::vec3 at = glm::clamp((point - volume.lower) / volume.edge, glm::vec3(0.0f), counts);
+  const glm::vec3 at = glm::clamp((point - volume.lower) / volume.edges, glm::vec3(0.0f), counts);
   const glm::vec3 root = glm::min(glm::floor(at), counts - 1.0f);
   const auto index = std::uint32_t(root.x) +
                      volume.counts[0] * (std::uint32_t(root.y) + volume.counts[1] * std::uint32_t(root.z));
-  CellPoint found{volume.nodes[index], volume.edge, at - root};
+  CellPoint found{volume.nodes[index], volume.edges, at - root};
   while ((found.node & kProbeCellBit) == 0) {
-    const glm::vec3 twice = 2.0f * found.within;
-    const glm::vec3 child = glm::min(glm::floor(twice), glm::vec3(1.0f));
-    found.within = twice - child;
-    found.edge *= 0.5f;
-    found.node = volume.nodes[found.node + std::uint32_t(child.x + 2.0f * child.y + 4.0f * child.z)];
+    const auto axis = int(found.node >> kProbeAxisShift);
+    const float twice = 2.0f * found.within[axis];
+    const bool upper = twice >= 1.0f;
+    found.within[axis] = upper ? twice - 1.0f : twice;
+    found.edges[axis] *= 0.5f;
+    found.node = volume.nodes[(found.node & kProbeChildMask) + (upper ? 1u : 0u)];
   }
   return found;
 }
@@ -53,15 +54,16 @@ void append(const std::vector<Element>& elements, std::vector<std::uint32_t>& wo
 
 }  // namespace
 
-std::array<float, 8> corner_weights(const ProbeCell& cell, std::span<const glm::vec4> planes, float edge,
-                                    const glm::vec3& point, const glm::vec3& within) {
+std::array<float, 8> corner_weights(const ProbeCell& cell, std::span<const glm::vec4> planes,
+                                    const glm::vec3& edges, const glm::vec3& point, const glm::vec3& within) {
   std::array<float, 8> weights{};
   for (std::uint32_t c = 0; c < 8; ++c) {
     if (cell.probes[c] != kNoProbe) weights[c] = corner_weight(within, c);
   }
   for (std::uint32_t p = 0; p < planes.size(); ++p) {
-    const float distance = glm::dot(glm::vec3(planes[p]), point) + planes[p].w;
-    const float share = distance / (kProbeFade * edge);
+    const glm::vec3 normal(planes[p]);
+    const float share =
+        (glm::dot(normal, point) + planes[p].w) / (kProbeFade * glm::dot(glm::abs(normal), edges));
     for (std::uint32_t c = 0; c < 8; ++c) {
       if ((cell.sides[c] >> p & 1u) != 0) weights[c] *= std::clamp(share, 0.0f, 1.0f);
       if ((cell.sides[c] >> (8 + p) & 1u) != 0) weights[c] *= std::clamp(-share, 0.0f, 1.0f);
@@ -79,7 +81,7 @@ WeightedProbes probes_at(const ProbeVolume& volume, const glm::vec3& point) {
   const ProbeCell& cell = volume.cells[at.node & ~kProbeCellBit];
   result.probes = cell.probes;
   const auto planes = std::span(volume.planes).subspan(cell.first_plane, cell.plane_count);
-  result.weights = corner_weights(cell, planes, at.edge, point, at.within);
+  result.weights = corner_weights(cell, planes, at.edges, point, at.within);
   float sum = 0.0f;
   for (const float weight : result.weights) sum += weight;
   for (float& weight : result.weights) weight = sum > 0.0f ? weight / sum : 0.0f;
@@ -93,7 +95,7 @@ std::vector<std::uint32_t> probe_volume_words(const ProbeVolume& volume) {
       std::uint32_t(first_cell + volume.cells.size() * sizeof(ProbeCell) / sizeof(std::uint32_t));
   std::vector<std::uint32_t> words;
   for (int axis = 0; axis < 3; ++axis) words.push_back(std::bit_cast<std::uint32_t>(volume.lower[axis]));
-  words.push_back(std::bit_cast<std::uint32_t>(volume.edge));
+  for (int axis = 0; axis < 3; ++axis) words.push_back(std::bit_cast<std::uint32_t>(volume.edges[axis]));
   words.insert(words.end(), volume.counts.begin(), volume.counts.end());
   words.insert(words.end(), {first_cell, first_plane, 0u});
   append(volume.nodes, words);

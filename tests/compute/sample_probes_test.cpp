@@ -27,14 +27,17 @@ class SampleProbes : public PassTest {
   }
 };
 
-/// Two root cells of 1 m side by side along x; the first is halved, and of its halves one is empty. Corners
-/// take probes by chance, and planes of all directions cut them by chance.
+/// Two root cells of 1 x 1.5 x 0.5 m side by side along x; the first is halved three times, across each axis,
+/// and of its parts one is empty. Corners take probes by chance, and planes of all directions cut them by
+/// chance.
 ProbeVolume random_volume(Random& random, std::uint32_t probes) {
   ProbeVolume volume;
   volume.lower = {-1.0f, 0.5f, 2.0f};
-  volume.edge = 1.0f;
+  volume.edges = {1.0f, 1.5f, 0.5f};
   volume.counts = {2, 1, 1};
-  volume.nodes = {2, kProbeCellBit};
+  volume.nodes = {1u << kProbeAxisShift | 2u, kProbeCellBit};
+  for (const std::uint32_t first : {4u, 6u}) volume.nodes.push_back(2u << kProbeAxisShift | first);
+  for (const std::uint32_t first : {8u, 10u, 12u, 14u}) volume.nodes.push_back(first);
   for (std::uint32_t child = 0; child < 8; ++child)
     volume.nodes.push_back(child == 5 ? kNoProbe : kProbeCellBit | (1 + child - (child > 5 ? 1 : 0)));
   for (int i = 0; i < 8; ++i) {
@@ -51,7 +54,8 @@ ProbeVolume random_volume(Random& random, std::uint32_t probes) {
     for (std::uint32_t p = 0; p < cell.plane_count; ++p) {
       const glm::vec3 normal =
           glm::normalize(glm::vec3(random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5));
-      volume.planes.push_back({normal, -glm::dot(normal, glm::vec3(0.0f, 1.0f, 2.5f)) + random.unit() - 0.5});
+      volume.planes.push_back(
+          {normal, -glm::dot(normal, glm::vec3(0.0f, 1.25f, 2.25f)) + random.unit() - 0.5});
     }
   }
   return volume;
@@ -74,8 +78,8 @@ TEST_F(SampleProbes, GivesWhatTheProcessorGives) {
   }
   std::vector<glm::vec3> points, normals;
   for (int i = 0; i < 2000; ++i) {
-    points.push_back(volume.lower + glm::vec3(2.4 * random.unit() - 0.2, 1.4 * random.unit() - 0.2,
-                                              1.4 * random.unit() - 0.2));
+    points.push_back(volume.lower + glm::vec3(2.4 * random.unit() - 0.2, 1.9 * random.unit() - 0.2,
+                                              0.9 * random.unit() - 0.2));
     normals.push_back(
         glm::normalize(glm::vec3(random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5)));
     places.push_back({points.back().x, points.back().y, points.back().z, 0.0f});

@@ -14,7 +14,7 @@ namespace {
 /// One cell of 2 m from the origin, probes 0 to 7 at its corners.
 ProbeVolume one_cell() {
   ProbeVolume volume;
-  volume.edge = 2.0f;
+  volume.edges = glm::vec3(2.0f);
   volume.counts = {1, 1, 1};
   volume.nodes = {kProbeCellBit};
   ProbeCell& cell = volume.cells.emplace_back();
@@ -61,18 +61,42 @@ TEST(ProbeVolume, OutsideItIsThatOfTheNearestCell) {
 
 TEST(ProbeVolume, HalvesAreFoundByTheirPlace) {
   ProbeVolume volume;
-  volume.edge = 2.0f;
+  volume.edges = {2.0f, 4.0f, 6.0f};
   volume.counts = {1, 1, 1};
-  volume.nodes = {1};
-  for (std::uint32_t c = 0; c < 8; ++c) {
+  // Across y; the lower half across x, the upper one across z.
+  volume.nodes = {1u << kProbeAxisShift | 1u, 3u, 2u << kProbeAxisShift | 5u};
+  for (std::uint32_t c = 0; c < 4; ++c) {
     volume.nodes.push_back(kProbeCellBit | c);
     volume.cells.emplace_back().probes.fill(c);
   }
+  EXPECT_EQ(probes_at(volume, {0.9f, 1.9f, 5.0f}).probes[0], 0u);
+  EXPECT_EQ(probes_at(volume, {1.1f, 1.9f, 1.0f}).probes[0], 1u);
+  EXPECT_EQ(probes_at(volume, {1.9f, 2.1f, 2.9f}).probes[0], 2u);
+  EXPECT_EQ(probes_at(volume, {0.1f, 2.1f, 3.1f}).probes[0], 3u);
+}
+
+TEST(ProbeVolume, WeightsAreTrilinearInHalves) {
+  ProbeVolume volume = one_cell();
+  volume.edges = {4.0f, 2.0f, 2.0f};
+  volume.nodes = {1u, kNoProbe, kProbeCellBit};
+  const WeightedProbes at = probes_at(volume, {2.5f, 1.0f, 1.5f});
   for (std::uint32_t c = 0; c < 8; ++c) {
-    const glm::vec3 point((c & 1u) != 0 ? 1.3f : 0.3f, (c & 2u) != 0 ? 1.3f : 0.3f,
-                          (c & 4u) != 0 ? 1.3f : 0.3f);
-    EXPECT_EQ(probes_at(volume, point).probes[0], c);
+    const double expected = ((c & 1u) != 0 ? 0.25 : 0.75) * 0.5 * ((c & 4u) != 0 ? 0.75 : 0.25);
+    EXPECT_NEAR(at.weights[c], expected, 1e-6) << c;
   }
+}
+
+// A plane across a cell of 4 x 2 x 2 m: weights fade over a quarter of its width in that direction.
+TEST(ProbeVolume, WeightsFadeByTheWidthOfTheCell) {
+  ProbeVolume volume = cell_with_a_wall();
+  volume.edges = {4.0f, 2.0f, 2.0f};
+  // Corner 1 is seen by all of the cell: x > 1; 0.25 m beyond the plane its weight is a quarter of 0.3125.
+  volume.cells[0].probes.fill(kNoProbe);
+  volume.cells[0].probes[1] = 1, volume.cells[0].probes[3] = 3;
+  volume.cells[0].sides[3] = 0;
+  const WeightedProbes at = probes_at(volume, {1.25f, 1.0f, 0.5f});
+  EXPECT_NEAR(at.weights[1], 0.2, 1e-6);
+  EXPECT_NEAR(at.weights[3], 0.8, 1e-6);
 }
 
 TEST(ProbeVolume, GivesTheIrradianceOfAnEvenLight) {
@@ -108,7 +132,8 @@ TEST(ProbeVolume, SurvivesTheFileAndIsChecked) {
   expect(refusal([](ProbeVolume& v) { v.planes.push_back(v.planes[0]); }),
          "expected 1 planes, as its cells say, found 2");
   expect(refusal([](ProbeVolume& v) { v.planes[0].x = 0.5f; }), "normals of length 1");
-  expect(refusal([](ProbeVolume& v) { v.nodes[0] = 0; }), "node 0: expected children from 1 on");
+  expect(refusal([](ProbeVolume& v) { v.nodes[0] = 0; }),
+         "node 0: expected halves across axis 0 to 2 from 1 on");
   expect(refusal([](ProbeVolume& v) { v.nodes[0] = kProbeCellBit | 1u; }),
          "node 0: expected cell 0 of 1, found 1");
   expect(refusal([](ProbeVolume& v) { v.nodes.push_back(kNoProbe); }), "expected 1 nodes and 1 cells");
@@ -118,18 +143,22 @@ TEST(ProbeVolume, SurvivesTheFileAndIsChecked) {
            v.nodes.resize(2, kNoProbe), v.counts = {2, 2, 1};
          }),
          "a node for each of 4 root cells, found 2");
-  expect(refusal([](ProbeVolume& v) { v.edge = 0.0f; }), "an edge above 0, found 0");
+  expect(refusal([](ProbeVolume& v) { v.edges.y = 0.0f; }), "edges above 0, found 2 x 0 x 2");
   expect(refusal([](ProbeVolume& v) { v.nodes.clear(); }), "found cells or planes without them");
-  // 17 levels, one in another.
   expect(refusal([](ProbeVolume& v) {
-           v = {v.lower, v.edge, v.counts, {}, {}, {}};
-           for (std::uint32_t level = 0; level <= kMaxProbeDepth; ++level) {
-             v.nodes.push_back(1 + 8 * level);
-             if (level > 0) v.nodes.insert(v.nodes.end(), 7, kNoProbe);
-           }
-           v.nodes.insert(v.nodes.end(), 8, kNoProbe);
+           v.nodes = {3u << kProbeAxisShift | 1u, kNoProbe, kProbeCellBit};
          }),
-         "at most 16 levels deep");
+         "found axis 3, 1");
+  // 25 levels, one in another.
+  expect(refusal([](ProbeVolume& v) {
+           v = {v.lower, v.edges, v.counts, {}, {}, {}};
+           for (std::uint32_t level = 0; level <= kMaxProbeDepth; ++level) {
+             v.nodes.push_back(1 + 2 * level);
+             if (level > 0) v.nodes.push_back(kNoProbe);
+           }
+           v.nodes.insert(v.nodes.end(), 2, kNoProbe);
+         }),
+         "at most 24 levels deep");
 }
 
 }  // namespace
