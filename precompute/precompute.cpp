@@ -2,7 +2,6 @@
 #include "precompute/precompute.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
 #include <chrono>
@@ -12,20 +11,17 @@
 #include <optional>
 
 #include "precompute/arena_threads.h"
-#include "precompute/assemble_model.h"
 #include "precompute/check_sizes.h"
 #include "precompute/clearance.h"
+#include "precompute/complete_model.h"
 #include "precompute/estimate.h"
 #include "precompute/estimate_errors.h"
 #include "precompute/lift_sensor.h"
-#include "precompute/light_samples.h"
 #include "precompute/pilot.h"
 #include "precompute/place_probes.h"
 #include "precompute/process_memory.h"
-#include "precompute/rig.h"
 #include "precompute/rows_keeper.h"
 #include "precompute/trace_rows.h"
-#include "precompute/views.h"
 
 namespace relume {
 namespace {
@@ -60,15 +56,6 @@ std::string options_json(const PrecomputeOptions& options, const PrecomputeRepor
       options.error, report.texel_size, report.cluster_size, plan.lumels.rays, plan.sensors.rays,
       options.budget, options.system_lumels, kCodecs[std::size_t(plan.codec)], options.max_albedo,
       options.seed, asked, reached);
-}
-
-void add_sensors(const PrecomputeOptions& options, const std::vector<std::uint32_t>& systems, Model& model) {
-  for (std::uint32_t i = 0; i < options.sensors.size(); ++i) {
-    const SensorPoint& sensor = options.sensors[i];
-    model.systems[systems[i]].sensors.push_back(
-        {sensor.position, glm::vec3(glm::normalize(sensor.normal)), i});
-    model.sensor_names.push_back(sensor.name);
-  }
 }
 
 /// What rows are traced against, with clusters of one choice of sizes.
@@ -185,7 +172,6 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
   report.projection = rows->projection;
   if (plan.cut) estimate_errors(*rows, surfaces, *prepared.probing, options.error, plan.codec, report);
 
-  const auto rows_start = std::chrono::steady_clock::now();
   if (observer && !observer("rows", 0.0))
     return fail(ErrorCode::cancelled, "stopped before rows were stored");
   const ModelParts parts{scene,
@@ -204,27 +190,10 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
                          prepared.emitters,
                          prepared.senders,
                          surfaces.cluster_count()};
-  Result<Model> model;
   const bool keeps = keeper != nullptr && options.keep_rows && prepared.rows.memory != nullptr;
-  tbb::parallel_invoke([&] { model = assemble_model(parts, plan.codec, start.options.max_albedo, report); },
-                       [&] {
-                         if (keeps) start.keeper->take_rays();
-                       });
-  report.seconds_rows = seconds_since(rows_start);
+  auto model = complete_model(parts, options, plan.codec, caster, keeper, keeps, report);
   if (!model) return model;
-  add_sensors(options, rows->sensor_systems, *model);
   if (!probes.empty()) model->probe_volume = without_invalid_probes(volume, rows->probes.rows);
-  WholeElements whole;
-  if (keeper != nullptr) whole = keeper->known_whole(rows->orders);
-  Views views(surfaces.geometry, caster, keeper != nullptr ? keeper->change() : nullptr, options.keep_rows);
-  if (auto added = add_light_samples(surfaces.geometry, caster, *model, views, whole); !added)
-    return tl::unexpected(added.error());
-  if (keeper != nullptr) keeper->keep_whole(rows->orders, whole, views.take_answers());
-  const auto earlier = keeper != nullptr ? keeper->earlier_looks() : std::nullopt;
-  EnclosedGrid looked;
-  light_model(scene, surfaces.geometry, caster, earlier ? &*earlier : nullptr, *model, report.warnings,
-              &looked);
-  if (keeper != nullptr) keeper->keep_looks(std::move(looked));
   if (!scene.cameras.empty()) model->camera = scene.cameras.front();
   model->provenance = {scene.file_name, "relume 0.1.0", caster.description(),
                        options_json(options, report, plan)};
