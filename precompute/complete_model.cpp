@@ -66,8 +66,9 @@ Result<Model> complete_model(const ModelParts& parts, const PrecomputeOptions& o
     rows = store_rows(parts, codec, model, report);
     report.seconds_rows = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
-  tbb::parallel_invoke(complete_rows, complete_surfaces, take_rays,
-                       [&] { light(parts, caster, keeper, model, of_lights); });
+  // The longest one last: the calling thread begins with it.
+  tbb::parallel_invoke(
+      complete_rows, take_rays, [&] { light(parts, caster, keeper, model, of_lights); }, complete_surfaces);
   if (!rows) return tl::unexpected(rows.error());
   if (!samples) return tl::unexpected(samples.error());
   for (auto* warnings : {&of_surfaces, &of_lights})

@@ -2,6 +2,7 @@
 #include "precompute/precompute.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
 #include <chrono>
@@ -240,6 +241,16 @@ Result<void> check_memory(const PrecomputeOptions& options, const PrecomputeEsti
           options.budget > 0 || options.error > 0.0 ? "a" : "rows that are cut (--error or --budget), a"));
 }
 
+/// What rays are cast at, and where they are or were kept, who knows of it.
+Result<RayCaster> cast(const Scene& scene, const PrecomputeOptions& options, const Geometry& geometry,
+                       PrecomputeReport& report, std::unique_ptr<RowsKeeper>& keeper) {
+  if (!options.keep_rows && options.old_rows == nullptr) return make_caster(geometry);
+  auto started = RowsKeeper::start(scene, options, geometry, report);
+  if (!started) return tl::unexpected(started.error());
+  keeper = std::move(*started);
+  return make_caster(geometry, keeper->known_ties(geometry));
+}
+
 /// The model; where only an `estimate` is asked for, an empty one.
 Result<Model> build(const Scene& scene, const PrecomputeOptions& options, PrecomputeReport& report,
                     const ProgressObserver& observer, PrecomputeEstimate* estimate) {
@@ -250,28 +261,26 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   if (auto ok = check_sizes(options, geometry); !ok) return tl::unexpected(ok.error());
   if (observer && !observer("surfaces", 0.0))
     return fail(ErrorCode::cancelled, "stopped before the surfaces were cut");
+  choose_sizes(options, geometry, report);
   std::unique_ptr<RowsKeeper> keeper;
-  if (options.keep_rows || options.old_rows != nullptr) {
-    auto started = RowsKeeper::start(scene, options, geometry, report);
-    if (!started) return tl::unexpected(started.error());
-    keeper = std::move(*started);
-  }
-  const auto caster =
-      make_caster(geometry, keeper ? keeper->known_ties(geometry) : std::vector<std::uint8_t>());
-  if (!caster) return tl::unexpected(caster.error());
+  std::optional<Result<RayCaster>> caster;
+  std::vector<Chart> charts;
+  tbb::parallel_invoke([&] { caster.emplace(cast(scene, options, geometry, report, keeper)); },
+                       [&] { charts = make_charts(scene, geometry, report.texel_size, report.warnings); });
+  if (!*caster) return tl::unexpected(caster->error());
   const auto earlier = keeper ? keeper->earlier() : std::nullopt;
-  auto surfaces =
-      cut_surfaces(scene, options, *caster, std::move(geometry), report, earlier ? &*earlier : nullptr);
+  auto surfaces = cut_surfaces(scene, options, **caster, std::move(geometry), std::move(charts), report,
+                               earlier ? &*earlier : nullptr);
   if (!surfaces) return tl::unexpected(surfaces.error());
   RowPlan plan = plan_rows(options, scene);
   RowCounts counts;
-  SenderLookup lookup(surfaces->geometry, surfaces->charts, surfaces->layouts, surfaces->systems, *caster);
+  SenderLookup lookup(surfaces->geometry, surfaces->charts, surfaces->layouts, surfaces->systems, **caster);
   if (keeper) {
-    if (auto followed = keeper->follow(*surfaces, lookup, *caster, report); !followed)
+    if (auto followed = keeper->follow(*surfaces, lookup, **caster, report); !followed)
       return tl::unexpected(followed.error());
   }
   std::optional<Preparation> prepared;
-  if (auto done = prepare(scene, options, *caster, plan, observer, *surfaces, lookup,
+  if (auto done = prepare(scene, options, **caster, plan, observer, *surfaces, lookup,
                           keeper ? &keeper->memory() : nullptr, prepared, counts, report);
       !done)
     return tl::unexpected(done.error());
@@ -279,16 +288,16 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   follow_target(*surfaces, options, *prepared, counts, plan);
   prepared->rows.directional = options.directional;  // from here on: nothing before asks for directions
   report.seconds_rays = seconds_since(start) - report.seconds_surfaces;
-  Start rows{scene, options, *caster, *surfaces, *prepared, keeper.get(), {}, options.probes, {}};
+  Start rows{scene, options, **caster, *surfaces, *prepared, keeper.get(), {}, options.probes, {}};
   if (options.auto_probes || options.probe_spacing > 0.0) {
     auto placed = options.auto_probes ? place_probes(prepared->rows, *prepared->probing,
                                                      std::max(options.error, kProbeError), counts, observer)
-                                      : place_probe_grid(surfaces->geometry, *caster, options.probe_spacing);
+                                      : place_probe_grid(surfaces->geometry, **caster, options.probe_spacing);
     if (!placed) return tl::unexpected(placed.error());
     rows.probes = std::move(placed->points), rows.volume = std::move(placed->volume);
   }
   for (const SensorPoint& sensor : options.sensors)
-    rows.sensors.push_back(lift_sensor(surfaces->geometry, *caster, sensor.position, sensor.normal));
+    rows.sensors.push_back(lift_sensor(surfaces->geometry, **caster, sensor.position, sensor.normal));
   if (estimate != nullptr || options.max_memory > 0) {
     prepared->rows.memory = nullptr;  // a sample is not kept
     auto expected = estimate_model(rows, plan, seconds_since(start), observer);
