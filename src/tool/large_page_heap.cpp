@@ -13,11 +13,15 @@
 
 namespace {
 
-constexpr std::size_t kLargePage = std::size_t{2} << 20;
+constexpr std::size_t kLargePage = std::size_t{2} << 20, kGranularity = std::size_t{64} << 10;
 
-/// Whole large pages, aligned; `bytes` becomes what there is.
+/// Of a last large page, less than this is left to small ones.
+constexpr std::size_t kWorthwhile = kLargePage / 4;
+
+/// Aligned to large pages; `bytes` becomes what there is.
 void* map_pages(std::intptr_t, std::size_t& bytes) {
-  bytes = (bytes + kLargePage - 1) / kLargePage * kLargePage;
+  const std::size_t rest = bytes % kLargePage;
+  if (rest >= kWorthwhile) bytes += kLargePage - rest;
   const std::size_t mapped = bytes + kLargePage;
   void* const memory =
       ::mmap(nullptr, mapped, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
@@ -26,7 +30,7 @@ void* map_pages(std::intptr_t, std::size_t& bytes) {
   const std::size_t before = (kLargePage - reinterpret_cast<std::uintptr_t>(begin) % kLargePage) % kLargePage;
   if (before > 0) ::munmap(begin, before);
   ::munmap(begin + before + bytes, kLargePage - before);
-  ::madvise(begin + before, bytes, MADV_HUGEPAGE);  // a wish
+  ::madvise(begin + before, bytes / kLargePage * kLargePage, MADV_HUGEPAGE);  // a wish
   return begin + before;
 }
 
@@ -35,7 +39,7 @@ int unmap_pages(std::intptr_t, void* memory, std::size_t bytes) {
 }
 
 rml::MemoryPool* make_pool() {
-  const rml::MemPoolPolicy policy(map_pages, unmap_pages, kLargePage);
+  const rml::MemPoolPolicy policy(map_pages, unmap_pages, kGranularity);
   rml::MemoryPool* pool = nullptr;
   if (rml::pool_create_v1(0, &policy, &pool) != rml::POOL_OK) std::abort();
   return pool;
