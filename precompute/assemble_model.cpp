@@ -17,6 +17,8 @@ namespace {
 
 void store_elements(const ClusteredSurface& surface, const std::vector<std::uint32_t>& order,
                     System& system) {
+  system.elements.reserve(order.size());
+  system.pieces.reserve(surface.surface.pieces.size());
   for (const auto e : order) {
     const Element& element = surface.surface.elements[e];
     system.elements.push_back({element.position, element.area, element.normal, surface.cluster[e],
@@ -29,7 +31,6 @@ void store_elements(const ClusteredSurface& surface, const std::vector<std::uint
 
 void store_clusters(const ModelParts& parts, const ClusteredSurface& surface,
                     const std::vector<std::uint32_t>& order, System& system) {
-  system.clusters.resize(surface.cluster_count);
   std::vector<glm::dvec3> centroids(surface.cluster_count, glm::dvec3(0.0)), normals = centroids;
   std::vector<double> areas(surface.cluster_count, 0.0);
   for (std::uint32_t i = 0; i < order.size(); ++i) {
@@ -58,6 +59,7 @@ void store_clusters(const ModelParts& parts, const ClusteredSurface& surface,
 void store_lumels(const ModelParts& parts, std::size_t s, const std::vector<std::uint32_t>& order,
                   System& system, PrecomputeReport& report) {
   const SystemSurface& surface = parts.surfaces[s].surface;
+  system.lumels.reserve(order.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) {
     const std::uint32_t e = order[i];
     if (!parts.own_elements[s][e]) continue;
@@ -126,48 +128,6 @@ Occluders make_occluders(const ModelParts& parts) {
   return occluders;
 }
 
-void store_colors(const Scene& scene, double max_albedo, Model& model, PrecomputeReport& report) {
-  const ClusterColors colors = cluster_colors(model, scene, max_albedo);
-  std::size_t next = 0;
-  for (System& system : model.systems) {
-    for (Cluster& cluster : system.clusters) {
-      for (int c = 0; c < 3; ++c) {
-        cluster.albedo[std::size_t(c)] = float(colors.albedo[next][c]);
-        cluster.exitance[std::size_t(c)] = float(colors.exitance[next][c]);
-      }
-      ++next;
-    }
-  }
-  if (colors.clamped_materials > 0) {
-    report.warnings.push_back(
-        fmt::format("{} materials reflect more than {}; their albedo was lowered to it (--max-albedo)",
-                    colors.clamped_materials, max_albedo));
-  }
-}
-
-/// Where many lumels are invalid, the scene is not what its author thinks.
-void warn_of_invalid_lumels(const Model& model, PrecomputeReport& report) {
-  constexpr double kMany = 0.1;
-  std::vector<std::uint64_t> of_node(model.nodes.size(), 0);
-  std::uint64_t lumels = 0, invalid = 0;
-  for (const System& system : model.systems) {
-    for (const Lumel& lumel : system.lumels) {
-      ++lumels;
-      if ((lumel.flags & kLumelInvalid) == 0) continue;
-      ++invalid;
-      ++of_node[system.clusters[system.elements[lumel.element].cluster].node];
-    }
-  }
-  if (double(invalid) <= kMany * double(lumels)) return;
-  const auto most = std::max_element(of_node.begin(), of_node.end()) - of_node.begin();
-  report.warnings.push_back(
-      fmt::format("{} of {} lumels see mostly the backs of surfaces, and take the light of their neighbours; "
-                  "most of them lie "
-                  "on {}: inside other geometry, or below a ceiling whose only side faces away (relume "
-                  "export --debug validity)",
-                  invalid, lumels, model.nodes[std::size_t(most)].path));
-}
-
 /// Patches of the sky that no column means have no place in the model.
 void drop_unseen_sky(Model& model) {
   std::vector<bool> seen(model.sky_cells.size(), false);
@@ -218,29 +178,32 @@ std::vector<bool> own_elements(const Scene& scene, const std::vector<Chart>& cha
   return own;
 }
 
-Result<Model> assemble_model(const ModelParts& parts, ValueCodec codec, double max_albedo,
-                             PrecomputeReport& report) {
+Model start_model(const ModelParts& parts, double max_albedo) {
   Model model;
   model.origin = parts.geometry.origin;
   model.max_albedo = max_albedo;
   model.sky_resolution = parts.senders.sky_resolution;
   model.sky_cells = parts.senders.sky_cells;
   for (std::size_t s = 0; s < parts.surfaces.size(); ++s) {
-    System system;
+    System& system = model.systems.emplace_back();
     system.name = parts.layouts[s].name;
     system.lightmap_width = parts.layouts[s].width;
     system.lightmap_height = parts.layouts[s].height;
+    system.clusters.resize(parts.surfaces[s].cluster_count);
+  }
+  return model;
+}
+
+void store_surfaces(const ModelParts& parts, Model& model, PrecomputeReport& report) {
+  for (std::size_t s = 0; s < parts.surfaces.size(); ++s) {
+    System& system = model.systems[s];
     const auto& order = parts.element_orders[s];
     store_elements(parts.surfaces[s], order, system);
     store_clusters(parts, parts.surfaces[s], order, system);
     store_lumels(parts, s, order, system, report);
     store_charts(parts, parts.layouts[s], system);
     store_estimates(parts, s, system);
-    model.systems.push_back(std::move(system));
   }
-  if (auto stored = store_matrices(parts, codec, model, report); !stored)
-    return tl::unexpected(stored.error());
-  drop_unseen_sky(model);
   std::vector<bool> emits(parts.scene.materials.size(), false);
   for (const Emitter& e : parts.emitters.list) emits[e.material] = true;
   for (std::size_t m = 0; m < parts.scene.materials.size(); ++m) {
@@ -252,9 +215,54 @@ Result<Model> assemble_model(const ModelParts& parts, ValueCodec codec, double m
   model.geometry_hash = hash.total;
   model.occluders = make_occluders(parts);
   model.occluders.texture = texture_triangles(parts.scene, emits);
-  store_colors(parts.scene, max_albedo, model, report);
-  warn_of_invalid_lumels(model, report);
-  return model;
+}
+
+void store_colors(const Scene& scene, double max_albedo, Model& model, std::vector<std::string>& warnings) {
+  const ClusterColors colors = cluster_colors(model, scene, max_albedo);
+  std::size_t next = 0;
+  for (System& system : model.systems) {
+    for (Cluster& cluster : system.clusters) {
+      for (int c = 0; c < 3; ++c) {
+        cluster.albedo[std::size_t(c)] = float(colors.albedo[next][c]);
+        cluster.exitance[std::size_t(c)] = float(colors.exitance[next][c]);
+      }
+      ++next;
+    }
+  }
+  if (colors.clamped_materials > 0) {
+    warnings.push_back(
+        fmt::format("{} materials reflect more than {}; their albedo was lowered to it (--max-albedo)",
+                    colors.clamped_materials, max_albedo));
+  }
+}
+
+/// Where many lumels are invalid, the scene is not what its author thinks.
+void warn_of_invalid_lumels(const Model& model, std::vector<std::string>& warnings) {
+  constexpr double kMany = 0.1;
+  std::vector<std::uint64_t> of_node(model.nodes.size(), 0);
+  std::uint64_t lumels = 0, invalid = 0;
+  for (const System& system : model.systems) {
+    for (const Lumel& lumel : system.lumels) {
+      ++lumels;
+      if ((lumel.flags & kLumelInvalid) == 0) continue;
+      ++invalid;
+      ++of_node[system.clusters[system.elements[lumel.element].cluster].node];
+    }
+  }
+  if (double(invalid) <= kMany * double(lumels)) return;
+  const auto most = std::max_element(of_node.begin(), of_node.end()) - of_node.begin();
+  warnings.push_back(
+      fmt::format("{} of {} lumels see mostly the backs of surfaces, and take the light of their neighbours; "
+                  "most of them lie "
+                  "on {}: inside other geometry, or below a ceiling whose only side faces away (relume "
+                  "export --debug validity)",
+                  invalid, lumels, model.nodes[std::size_t(most)].path));
+}
+
+Result<void> store_rows(const ModelParts& parts, ValueCodec codec, Model& model, PrecomputeReport& report) {
+  if (auto stored = store_matrices(parts, codec, model, report); !stored) return stored;
+  drop_unseen_sky(model);
+  return {};
 }
 
 }  // namespace relume

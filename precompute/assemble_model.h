@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "core/model.h"
@@ -32,10 +33,24 @@ struct ModelParts {
   std::uint32_t cluster_count = 0;
 };
 
-/// The model without lights, camera and provenance, values stored with `codec`.
-/// Fails (usage) when a system sees more senders than columns can name.
-Result<Model> assemble_model(const ModelParts& parts, ValueCodec codec, double max_albedo,
-                             PrecomputeReport& report);
+// A model is put together in steps. What each fills, no other touches, so that those without a word on order
+// may run side by side.
+
+/// Systems with their names and sizes, and cells of the sky: before all others.
+Model start_model(const ModelParts& parts, double max_albedo);
+
+/// Elements, clusters without colours, lumels, charts, materials, nodes and occluders without their tree.
+void store_surfaces(const ModelParts& parts, Model& model, PrecomputeReport& report);
+
+/// Colours of clusters, after their surfaces.
+void store_colors(const Scene& scene, double max_albedo, Model& model, std::vector<std::string>& warnings);
+
+/// Where many lumels are invalid, the scene is not what its author thinks. After the surfaces.
+void warn_of_invalid_lumels(const Model& model, std::vector<std::string>& warnings);
+
+/// All rows, values stored with `codec`, with what their columns mean. Of the report, only warnings are
+/// added. Fails (usage) when a system sees more senders than columns can name.
+Result<void> store_rows(const ModelParts& parts, ValueCodec codec, Model& model, PrecomputeReport& report);
 
 /// Elements of a system in the order that the model stores: by cluster, then by cell.
 std::vector<std::uint32_t> stored_order(const ClusteredSurface& surface);

@@ -103,20 +103,24 @@ struct Cells {
 
 Cells gather_cells(const Geometry& geometry, const std::vector<Chart>& charts,
                    const std::vector<Piece>& pieces, std::size_t cell_count) {
+  std::vector<std::uint32_t> first;  // pieces of cells
+  for (std::uint32_t p = 0; p < pieces.size(); ++p) {
+    if (p == 0 || pieces[p].cell != pieces[p - 1].cell) first.push_back(p);
+  }
   Cells cells;
   cells.index.assign(cell_count, kNone);
-  for (std::uint32_t first = 0; first < pieces.size();) {
-    std::uint32_t last = first;
-    while (last < pieces.size() && pieces[last].cell == pieces[first].cell) ++last;
-    const std::span<const Piece> group(pieces.data() + first, last - first);
+  cells.whole.resize(first.size());
+  cells.split.assign(first.size(), 0);
+  cells.walled.assign(first.size(), 0);
+  tbb::parallel_for(std::size_t{0}, first.size(), [&](std::size_t i) {
+    const std::size_t end = i + 1 < first.size() ? first[i + 1] : pieces.size();
+    const std::span<const Piece> group(pieces.data() + first[i], end - first[i]);
     Element element = element_of(geometry, charts, group);
-    element.first_piece = first;
-    cells.index[element.cell] = std::uint32_t(cells.whole.size());
-    cells.split.push_back(mixed(geometry, element, group, charts[element.chart].side) ? 1 : 0);
-    cells.whole.push_back(element);
-    first = last;
-  }
-  cells.walled.assign(cells.whole.size(), 0);
+    element.first_piece = first[i];
+    cells.index[element.cell] = std::uint32_t(i);
+    cells.split[i] = mixed(geometry, element, group, charts[element.chart].side) ? 1 : 0;
+    cells.whole[i] = element;
+  });
   return cells;
 }
 
@@ -191,36 +195,69 @@ void find_walls(Views& views, std::uint32_t width, std::uint32_t height, const K
   });
 }
 
+/// Pieces of the elements of one cell; none where it stays whole.
+using Groups = std::vector<std::vector<Piece>>;
+
+/// Of cells that are split, as split_cell groups them.
+std::vector<Groups> split_cells(const Geometry& geometry, const std::vector<Chart>& charts, Views& views,
+                                const Cells& cells, const std::vector<Piece>& pieces,
+                                std::uint64_t& traced_rays) {
+  std::vector<Groups> groups(cells.whole.size());
+  std::atomic<std::uint64_t> rays{0};
+  tbb::parallel_for(std::size_t{0}, cells.whole.size(), [&](std::size_t i) {
+    if (cells.split[i] == 0) return;
+    const Element& cell = cells.whole[i];
+    const auto first = pieces.begin() + cell.first_piece;
+    std::uint64_t traced = 0;
+    groups[i] = split_cell(geometry, charts[cell.chart], views, {first, first + cell.piece_count}, traced);
+    rays += traced;
+  });
+  traced_rays += rays;
+  return groups;
+}
+
+/// Where the elements of a cell begin.
+struct Beginning {
+  std::uint32_t element = 0, piece = 0;
+};
+
+/// Per whole cell, and the totals at the end.
+std::vector<Beginning> beginnings(const Cells& cells, const std::vector<Groups>& groups) {
+  std::vector<Beginning> first(1);
+  first.reserve(cells.whole.size() + 1);
+  for (std::size_t i = 0; i < cells.whole.size(); ++i) {
+    Beginning next = first.back();
+    if (cells.split[i] == 0) next.element += 1, next.piece += cells.whole[i].piece_count;
+    for (const auto& group : groups[i]) next.element += 1, next.piece += std::uint32_t(group.size());
+    first.push_back(next);
+  }
+  return first;
+}
+
 /// Final elements: whole cells as they are, the others as split_cell groups them.
 void settle_elements(const Geometry& geometry, const std::vector<Chart>& charts, Views& views,
                      const Cells& cells, const std::vector<Piece>& pieces, SystemSurface& surface) {
-  std::vector<std::vector<std::vector<Piece>>> groups(cells.whole.size());
-  std::atomic<std::uint64_t> rays{0};
+  const std::vector<Groups> groups =
+      split_cells(geometry, charts, views, cells, pieces, surface.occlusion_rays);
+  const std::vector<Beginning> first = beginnings(cells, groups);
+  surface.elements.resize(first.back().element);
+  surface.pieces.resize(first.back().piece);
+  surface.first_element.assign(cells.index.size() + 1, 0);
   tbb::parallel_for(std::size_t{0}, cells.whole.size(), [&](std::size_t i) {
     const Element& cell = cells.whole[i];
-    std::vector<Piece> own(pieces.begin() + cell.first_piece,
-                           pieces.begin() + cell.first_piece + cell.piece_count);
-    if (cells.split[i] == 0) {
-      groups[i].push_back(std::move(own));
-      return;
-    }
-    std::uint64_t traced = 0;
-    groups[i] = split_cell(geometry, charts[cell.chart], views, own, traced);
-    rays += traced;
-  });
-  surface.occlusion_rays += rays;
-  surface.first_element.assign(cells.index.size() + 1, 0);
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    for (const auto& group : groups[i]) {
-      Element element = element_of(geometry, charts, group);
-      element.first_piece = std::uint32_t(surface.pieces.size());
+    Beginning at = first[i];
+    surface.first_element[cell.cell + 1] = first[i + 1].element - at.element;
+    const auto put = [&](Element element, std::span<const Piece> group) {
+      element.first_piece = at.piece, element.piece_count = std::uint32_t(group.size());
       element.walled = cells.walled[i] != 0;
       element.split = groups[i].size() > 1;
-      surface.pieces.insert(surface.pieces.end(), group.begin(), group.end());
-      surface.elements.push_back(element);
-    }
-    surface.first_element[cells.whole[i].cell + 1] = std::uint32_t(groups[i].size());
-  }
+      std::copy(group.begin(), group.end(), surface.pieces.begin() + at.piece);
+      surface.elements[at.element] = element;
+      at.element += 1, at.piece += element.piece_count;
+    };
+    if (cells.split[i] == 0) put(cell, std::span(pieces).subspan(cell.first_piece, cell.piece_count));
+    for (const auto& group : groups[i]) put(element_of(geometry, charts, group), group);
+  });
   for (std::size_t c = 1; c < surface.first_element.size(); ++c)
     surface.first_element[c] += surface.first_element[c - 1];
 }
@@ -262,10 +299,16 @@ std::vector<Piece> cut_into_cells(const Geometry& geometry, const std::vector<Ch
     cut_chart(geometry, charts[layout.charts[i]], layout.charts[i], layout.positions[i], layout.width,
               parts[i]);
   });
-  std::vector<Piece> pieces;
-  for (const auto& part : parts) pieces.insert(pieces.end(), part.begin(), part.end());
-  std::stable_sort(pieces.begin(), pieces.end(),
-                   [](const Piece& a, const Piece& b) { return a.cell < b.cell; });
+  // Sorted by counting, so that those of a cell keep their order.
+  std::vector<std::uint32_t> next(std::size_t(layout.width) * layout.height + 1, 0);
+  for (const auto& part : parts) {
+    for (const Piece& piece : part) ++next[piece.cell + 1];
+  }
+  for (std::size_t c = 1; c < next.size(); ++c) next[c] += next[c - 1];
+  std::vector<Piece> pieces(next.back());
+  for (const auto& part : parts) {
+    for (const Piece& piece : part) pieces[next[piece.cell]++] = piece;
+  }
   return pieces;
 }
 

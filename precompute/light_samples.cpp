@@ -3,6 +3,7 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -101,18 +102,22 @@ Result<void> add_light_samples(const Geometry& geometry, const RayCaster& caster
                                WholeElements& whole) {
   whole.resize(model.systems.size());
   const Occluders& occluders = model.occluders;
-  auto bvh = build_occluder_bvh(occluders.positions, occluders.triangles, occluders.opacity);
+  Result<OccluderBvh> bvh;
+  const auto sample = [&] {
+    for (std::size_t s = 0; s < model.systems.size(); ++s) {
+      System& system = model.systems[s];
+      system.own_patches = as_bits(find_own_patches(model, system, views, whole[s]));
+      system.lifted_sensors.clear();
+      for (const Sensor& sensor : system.sensors) {
+        system.lifted_sensors.push_back(
+            lift_sensor(geometry, caster, sensor.position, glm::dvec3(sensor.normal)).position);
+      }
+    }
+  };
+  tbb::parallel_invoke(
+      [&] { bvh = build_occluder_bvh(occluders.positions, occluders.triangles, occluders.opacity); }, sample);
   if (!bvh) return tl::unexpected(bvh.error());
   model.occluders.bvh = std::move(*bvh);
-  for (std::size_t s = 0; s < model.systems.size(); ++s) {
-    System& system = model.systems[s];
-    system.own_patches = as_bits(find_own_patches(model, system, views, whole[s]));
-    system.lifted_sensors.clear();
-    for (const Sensor& sensor : system.sensors) {
-      system.lifted_sensors.push_back(
-          lift_sensor(geometry, caster, sensor.position, glm::dvec3(sensor.normal)).position);
-    }
-  }
   return {};
 }
 

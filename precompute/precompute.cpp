@@ -12,20 +12,17 @@
 #include <optional>
 
 #include "precompute/arena_threads.h"
-#include "precompute/assemble_model.h"
 #include "precompute/check_sizes.h"
 #include "precompute/clearance.h"
+#include "precompute/complete_model.h"
 #include "precompute/estimate.h"
 #include "precompute/estimate_errors.h"
 #include "precompute/lift_sensor.h"
-#include "precompute/light_samples.h"
 #include "precompute/pilot.h"
 #include "precompute/place_probes.h"
 #include "precompute/process_memory.h"
-#include "precompute/rig.h"
 #include "precompute/rows_keeper.h"
 #include "precompute/trace_rows.h"
-#include "precompute/views.h"
 
 namespace relume {
 namespace {
@@ -60,15 +57,6 @@ std::string options_json(const PrecomputeOptions& options, const PrecomputeRepor
       options.error, report.texel_size, report.cluster_size, plan.lumels.rays, plan.sensors.rays,
       options.budget, options.system_lumels, kCodecs[std::size_t(plan.codec)], options.max_albedo,
       options.seed, asked, reached);
-}
-
-void add_sensors(const PrecomputeOptions& options, const std::vector<std::uint32_t>& systems, Model& model) {
-  for (std::uint32_t i = 0; i < options.sensors.size(); ++i) {
-    const SensorPoint& sensor = options.sensors[i];
-    model.systems[systems[i]].sensors.push_back(
-        {sensor.position, glm::vec3(glm::normalize(sensor.normal)), i});
-    model.sensor_names.push_back(sensor.name);
-  }
 }
 
 /// What rows are traced against, with clusters of one choice of sizes.
@@ -185,7 +173,6 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
   report.projection = rows->projection;
   if (plan.cut) estimate_errors(*rows, surfaces, *prepared.probing, options.error, plan.codec, report);
 
-  const auto rows_start = std::chrono::steady_clock::now();
   if (observer && !observer("rows", 0.0))
     return fail(ErrorCode::cancelled, "stopped before rows were stored");
   const ModelParts parts{scene,
@@ -204,27 +191,10 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
                          prepared.emitters,
                          prepared.senders,
                          surfaces.cluster_count()};
-  Result<Model> model;
   const bool keeps = keeper != nullptr && options.keep_rows && prepared.rows.memory != nullptr;
-  tbb::parallel_invoke([&] { model = assemble_model(parts, plan.codec, start.options.max_albedo, report); },
-                       [&] {
-                         if (keeps) start.keeper->take_rays();
-                       });
-  report.seconds_rows = seconds_since(rows_start);
+  auto model = complete_model(parts, options, plan.codec, caster, keeper, keeps, report);
   if (!model) return model;
-  add_sensors(options, rows->sensor_systems, *model);
   if (!probes.empty()) model->probe_volume = without_invalid_probes(volume, rows->probes.rows);
-  WholeElements whole;
-  if (keeper != nullptr) whole = keeper->known_whole(rows->orders);
-  Views views(surfaces.geometry, caster, keeper != nullptr ? keeper->change() : nullptr, options.keep_rows);
-  if (auto added = add_light_samples(surfaces.geometry, caster, *model, views, whole); !added)
-    return tl::unexpected(added.error());
-  if (keeper != nullptr) keeper->keep_whole(rows->orders, whole, views.take_answers());
-  const auto earlier = keeper != nullptr ? keeper->earlier_looks() : std::nullopt;
-  EnclosedGrid looked;
-  light_model(scene, surfaces.geometry, caster, earlier ? &*earlier : nullptr, *model, report.warnings,
-              &looked);
-  if (keeper != nullptr) keeper->keep_looks(std::move(looked));
   if (!scene.cameras.empty()) model->camera = scene.cameras.front();
   model->provenance = {scene.file_name, "relume 0.1.0", caster.description(),
                        options_json(options, report, plan)};
@@ -271,6 +241,16 @@ Result<void> check_memory(const PrecomputeOptions& options, const PrecomputeEsti
           options.budget > 0 || options.error > 0.0 ? "a" : "rows that are cut (--error or --budget), a"));
 }
 
+/// What rays are cast at, and where they are or were kept, who knows of it.
+Result<RayCaster> cast(const Scene& scene, const PrecomputeOptions& options, const Geometry& geometry,
+                       PrecomputeReport& report, std::unique_ptr<RowsKeeper>& keeper) {
+  if (!options.keep_rows && options.old_rows == nullptr) return make_caster(geometry);
+  auto started = RowsKeeper::start(scene, options, geometry, report);
+  if (!started) return tl::unexpected(started.error());
+  keeper = std::move(*started);
+  return make_caster(geometry, keeper->known_ties(geometry));
+}
+
 /// The model; where only an `estimate` is asked for, an empty one.
 Result<Model> build(const Scene& scene, const PrecomputeOptions& options, PrecomputeReport& report,
                     const ProgressObserver& observer, PrecomputeEstimate* estimate) {
@@ -281,28 +261,26 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   if (auto ok = check_sizes(options, geometry); !ok) return tl::unexpected(ok.error());
   if (observer && !observer("surfaces", 0.0))
     return fail(ErrorCode::cancelled, "stopped before the surfaces were cut");
+  choose_sizes(options, geometry, report);
   std::unique_ptr<RowsKeeper> keeper;
-  if (options.keep_rows || options.old_rows != nullptr) {
-    auto started = RowsKeeper::start(scene, options, geometry, report);
-    if (!started) return tl::unexpected(started.error());
-    keeper = std::move(*started);
-  }
-  const auto caster =
-      make_caster(geometry, keeper ? keeper->known_ties(geometry) : std::vector<std::uint8_t>());
-  if (!caster) return tl::unexpected(caster.error());
+  std::optional<Result<RayCaster>> caster;
+  std::vector<Chart> charts;
+  tbb::parallel_invoke([&] { caster.emplace(cast(scene, options, geometry, report, keeper)); },
+                       [&] { charts = make_charts(scene, geometry, report.texel_size, report.warnings); });
+  if (!*caster) return tl::unexpected(caster->error());
   const auto earlier = keeper ? keeper->earlier() : std::nullopt;
-  auto surfaces =
-      cut_surfaces(scene, options, *caster, std::move(geometry), report, earlier ? &*earlier : nullptr);
+  auto surfaces = cut_surfaces(scene, options, **caster, std::move(geometry), std::move(charts), report,
+                               earlier ? &*earlier : nullptr);
   if (!surfaces) return tl::unexpected(surfaces.error());
   RowPlan plan = plan_rows(options, scene);
   RowCounts counts;
-  SenderLookup lookup(surfaces->geometry, surfaces->charts, surfaces->layouts, surfaces->systems, *caster);
+  SenderLookup lookup(surfaces->geometry, surfaces->charts, surfaces->layouts, surfaces->systems, **caster);
   if (keeper) {
-    if (auto followed = keeper->follow(*surfaces, lookup, *caster, report); !followed)
+    if (auto followed = keeper->follow(*surfaces, lookup, **caster, report); !followed)
       return tl::unexpected(followed.error());
   }
   std::optional<Preparation> prepared;
-  if (auto done = prepare(scene, options, *caster, plan, observer, *surfaces, lookup,
+  if (auto done = prepare(scene, options, **caster, plan, observer, *surfaces, lookup,
                           keeper ? &keeper->memory() : nullptr, prepared, counts, report);
       !done)
     return tl::unexpected(done.error());
@@ -310,16 +288,16 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   follow_target(*surfaces, options, *prepared, counts, plan);
   prepared->rows.directional = options.directional;  // from here on: nothing before asks for directions
   report.seconds_rays = seconds_since(start) - report.seconds_surfaces;
-  Start rows{scene, options, *caster, *surfaces, *prepared, keeper.get(), {}, options.probes, {}};
+  Start rows{scene, options, **caster, *surfaces, *prepared, keeper.get(), {}, options.probes, {}};
   if (options.auto_probes || options.probe_spacing > 0.0) {
     auto placed = options.auto_probes ? place_probes(prepared->rows, *prepared->probing,
                                                      std::max(options.error, kProbeError), counts, observer)
-                                      : place_probe_grid(surfaces->geometry, *caster, options.probe_spacing);
+                                      : place_probe_grid(surfaces->geometry, **caster, options.probe_spacing);
     if (!placed) return tl::unexpected(placed.error());
     rows.probes = std::move(placed->points), rows.volume = std::move(placed->volume);
   }
   for (const SensorPoint& sensor : options.sensors)
-    rows.sensors.push_back(lift_sensor(surfaces->geometry, *caster, sensor.position, sensor.normal));
+    rows.sensors.push_back(lift_sensor(surfaces->geometry, **caster, sensor.position, sensor.normal));
   if (estimate != nullptr || options.max_memory > 0) {
     prepared->rows.memory = nullptr;  // a sample is not kept
     auto expected = estimate_model(rows, plan, seconds_since(start), observer);

@@ -9,7 +9,8 @@
 namespace relume {
 namespace {
 
-constexpr std::size_t kChunk = std::size_t{1} << 20;  ///< bytes
+/// Bytes; with what an allocator adds, they fill a large page.
+constexpr std::size_t kChunk = (std::size_t{2} << 20) - (std::size_t{64} << 10);
 
 }  // namespace
 

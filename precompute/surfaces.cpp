@@ -34,6 +34,15 @@ double two_digits(double value) {
   return std::ceil(value / unit) * unit;
 }
 
+KnownCells known_cells(const SceneChange& change, const ElementNamer& namer, std::uint32_t width) {
+  return {[&change, &namer, width](const Element& cell, std::span<const Piece> pieces) {
+            return change.had_element(namer.key(width, cell, pieces, 0, 1));
+          },
+          [&change](const glm::vec3& position, float reach) { return change.disturbed(position, reach); }};
+}
+
+}  // namespace
+
 void choose_sizes(const PrecomputeOptions& options, const Geometry& geometry, PrecomputeReport& report) {
   const double area = std::max(geometry.area, 1e-12);
   report.cluster_size = two_digits(std::sqrt(area / kDefaultClusters));
@@ -48,21 +57,12 @@ void choose_sizes(const PrecomputeOptions& options, const Geometry& geometry, Pr
   if (report.cluster_size < report.texel_size) report.cluster_size = report.texel_size;
 }
 
-KnownCells known_cells(const SceneChange& change, const ElementNamer& namer, std::uint32_t width) {
-  return {[&change, &namer, width](const Element& cell, std::span<const Piece> pieces) {
-            return change.had_element(namer.key(width, cell, pieces, 0, 1));
-          },
-          [&change](const glm::vec3& position, float reach) { return change.disturbed(position, reach); }};
-}
-
-}  // namespace
-
 Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
-                              Geometry geometry, PrecomputeReport& report, const EarlierSurfaces* earlier) {
+                              Geometry geometry, std::vector<Chart> charts, PrecomputeReport& report,
+                              const EarlierSurfaces* earlier) {
   Surfaces surfaces;
   surfaces.geometry = std::move(geometry);
-  choose_sizes(options, surfaces.geometry, report);
-  surfaces.charts = make_charts(scene, surfaces.geometry, report.texel_size, report.warnings);
+  surfaces.charts = std::move(charts);
   const SystemLimits limits{options.system_lumels, report.cluster_size, expected_row_entries(options)};
   auto layouts = lay_out_systems(scene, surfaces.geometry, surfaces.charts, caster, limits, report.warnings);
   if (!layouts) return tl::unexpected(layouts.error());
@@ -87,6 +87,13 @@ Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& optio
   }
   surfaces.views = views.take_answers();
   return surfaces;
+}
+
+Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
+                              Geometry geometry, PrecomputeReport& report) {
+  choose_sizes(options, geometry, report);
+  auto charts = make_charts(scene, geometry, report.texel_size, report.warnings);
+  return cut_surfaces(scene, options, caster, std::move(geometry), std::move(charts), report);
 }
 
 void cluster_surfaces(const Scene& scene, const RayCaster& caster, const PrecomputeReport& report,

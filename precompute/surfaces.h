@@ -29,12 +29,18 @@ struct EarlierSurfaces {
   const std::vector<std::uint64_t>& triangle_keys;
 };
 
-/// Charts, lumels and elements; clusters come with cluster_surfaces. Chooses the sizes that nobody asked for,
-/// and reports them. Fails when nothing receives light. `earlier` may be missing; it saves rays, and changes
-/// nothing.
+/// Chooses the sizes that nobody asked for, and reports them.
+void choose_sizes(const PrecomputeOptions& options, const Geometry& geometry, PrecomputeReport& report);
+
+/// Lumels and elements of charts of report.texel_size (charts.h); clusters come with cluster_surfaces. Fails
+/// when nothing receives light. `earlier` may be missing; it saves rays, and changes nothing.
 Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
-                              Geometry geometry, PrecomputeReport& report,
+                              Geometry geometry, std::vector<Chart> charts, PrecomputeReport& report,
                               const EarlierSurfaces* earlier = nullptr);
+
+/// The same with sizes and charts that it chooses itself.
+Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
+                              Geometry geometry, PrecomputeReport& report);
 
 /// Groups the elements of all systems anew: clusters of report.cluster_size, or with a `clearance_share` no
 /// larger than that share of their clearance.
