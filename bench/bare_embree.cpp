@@ -19,8 +19,8 @@ void intersect(const int* valid, RTCScene scene, RTCIntersectContext* context, R
   rtcIntersect16(valid, scene, context, rays);
 }
 
-void trace_single(RTCScene scene, const RayList& list, std::size_t first, std::size_t last, HitCount& count) {
-  for (std::size_t i = first; i < last; ++i) {
+void trace_single(RTCScene scene, const RayList& list, HitCount& count) {
+  for (std::size_t i = 0; i < list.size(); ++i) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     RTCRayHit ray;
@@ -45,10 +45,9 @@ void trace_single(RTCScene scene, const RayList& list, std::size_t first, std::s
 }
 
 template <class Rays, std::size_t Width>
-void trace_packets(RTCScene scene, const RayList& list, std::size_t first, std::size_t last, bool alike,
-                   HitCount& count) {
-  for (; first < last; first += Width) {
-    const std::size_t lanes = std::min(Width, last - first);
+void trace_packets(RTCScene scene, const RayList& list, bool alike, HitCount& count) {
+  for (std::size_t first = 0; first < list.size(); first += Width) {
+    const std::size_t lanes = std::min(Width, list.size() - first);
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     if (alike) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -118,17 +117,16 @@ Result<BareEmbree> BareEmbree::create(std::span<const glm::vec3> positions,
   return BareEmbree(std::move(state));
 }
 
-HitCount BareEmbree::trace(const RayList& rays, int width, bool alike) const {
+HitCount BareEmbree::trace(std::span<const RayList> lists, int width, bool alike) const {
   using Range = tbb::blocked_range<std::size_t>;
-  const std::size_t tasks = (rays.size() + rays.per_receiver - 1) / rays.per_receiver;
   return tbb::parallel_reduce(
-      Range(0, tasks), HitCount{},
+      Range(0, lists.size()), HitCount{},
       [&](const Range& range, HitCount count) {
-        const std::size_t first = range.begin() * rays.per_receiver;
-        const std::size_t last = std::min(rays.size(), range.end() * rays.per_receiver);
-        if (width == 1) trace_single(state_->scene, rays, first, last, count);
-        if (width == 8) trace_packets<RTCRayHit8, 8>(state_->scene, rays, first, last, alike, count);
-        if (width == 16) trace_packets<RTCRayHit16, 16>(state_->scene, rays, first, last, alike, count);
+        for (const RayList& rays : lists.subspan(range.begin(), range.size())) {
+          if (width == 1) trace_single(state_->scene, rays, count);
+          if (width == 8) trace_packets<RTCRayHit8, 8>(state_->scene, rays, alike, count);
+          if (width == 16) trace_packets<RTCRayHit16, 16>(state_->scene, rays, alike, count);
+        }
         return count;
       },
       [](HitCount a, const HitCount& b) {

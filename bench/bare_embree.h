@@ -30,9 +30,9 @@ class BareEmbree {
   BareEmbree(BareEmbree&&) noexcept;
   ~BareEmbree();
 
-  /// Closest hits of all rays on all cores, by rtcIntersect1, 8 or 16 (`width`), one receiver a task; with
-  /// Embree's hint that rays of a packet are alike, or without.
-  HitCount trace(const RayList& rays, int width, bool alike) const;
+  /// Closest hits of all rays on all cores, by rtcIntersect1, 8 or 16 (`width`), a list a task; with Embree's
+  /// hint that rays of a packet are alike, or without.
+  HitCount trace(std::span<const RayList> lists, int width, bool alike) const;
 
  private:
   struct State;

@@ -19,6 +19,7 @@ struct BenchmarkOptions {
   std::uint32_t quality = 512;  ///< rays per lumel
   double texel_size = 0.0;      ///< m; 0: about 12 k lumels, or as the precompute chooses for an error
   double error = 0.05;          ///< target of the models of whole frames
+  std::uint32_t budget = 0;     ///< nodes of a tile where rays are counted; 0: full rows
 };
 
 /// Each checks its answers before it takes times, and fails (check_failed) when they are wrong.
@@ -32,7 +33,8 @@ struct Benchmark {
 
 std::span<const Benchmark> benchmarks();
 
-/// Time of a precompute against that of bare Embree for the same rays.
+/// Time of a precompute, with as many rays for each row and rows cut where there is a budget, against that of
+/// bare Embree for the same rays.
 Measurements precompute_vs_embree(const BenchmarkOptions& options);
 
 /// Form factors a second of the plain reference product and of each device kernel, against what memory gives.

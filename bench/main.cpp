@@ -83,6 +83,9 @@ int main(int argc, char** argv) {
                  "Error target of the models of bounds, frame and tracking")
       ->check(CLI::Range(1e-3, 1.0))
       ->capture_default_str();
+  app.add_option("--budget", arguments.options.budget,
+                 "Nodes of a tile of rows in precompute_vs_embree; 0: full rows")
+      ->capture_default_str();
   auto* csv = app.add_flag("--csv", arguments.csv, "Prints CSV");
   app.add_flag("--json", arguments.json, "Prints JSON")->excludes(csv);
   try {

@@ -26,47 +26,69 @@ constexpr std::array<BareWay, 5> kWays{{{RayOrder::sequence, 1},
                                         {RayOrder::grouped, 16}}};
 constexpr std::size_t kSequenceWays = 3;
 
+/// So many rays are in memory at a time.
+constexpr std::size_t kSliceRays = std::size_t{1} << 24;
+
 struct Contenders {
   const Scene& scene;
   PrecomputeOptions options;
-  RayList sequence, grouped;
-  BareEmbree embree;
-
-  HitCount trace(const BareWay& way) const {
-    const bool alike = way.order == RayOrder::grouped;
-    return embree.trace(alike ? grouped : sequence, way.width, alike);
-  }
+  const RaysOfPrecompute& rays;
+  const BareEmbree& embree;
 };
 
-/// The precompute traces as many rays as are in the list, and all ways meet equally many surfaces.
-Result<PrecomputeReport> check_answers(const Contenders& contenders) {
-  PrecomputeReport report;
-  const auto model = precompute(contenders.scene, contenders.options, report);
-  if (!model) return tl::unexpected(model.error());
-  if (report.rays != contenders.sequence.size()) {
-    return fail(ErrorCode::check_failed, fmt::format("{}: the precompute traced {} rays, the list has {}",
-                                                     kName, report.rays, contenders.sequence.size()));
+/// What bare Embree met, and how long it took.
+struct BareRun {
+  std::uint64_t rays = 0;
+  std::array<std::uint64_t, kWays.size()> hits{};
+  std::array<double, kWays.size()> seconds{};
+};
+
+/// All rays in all ways, by turns. Making them does not count.
+BareRun run_bare(const Contenders& contenders) {
+  BareRun run;
+  const RaysOfPrecompute& rays = contenders.rays;
+  std::vector<RayList> lists(std::max<std::size_t>(1, kSliceRays / rays.quality()));
+  for (std::size_t first = 0; first < rays.receivers(); first += lists.size()) {
+    lists.resize(std::min(lists.size(), rays.receivers() - first));
+    for (const RayOrder order : {RayOrder::sequence, RayOrder::grouped}) {
+      rays.list(first, order, lists);
+      for (std::size_t w = 0; w < kWays.size(); ++w) {
+        if (kWays[w].order != order) continue;
+        run.seconds[w] += seconds_of([&] {
+          run.hits[w] += contenders.embree.trace(lists, kWays[w].width, order == RayOrder::grouped).hits;
+        });
+      }
+    }
+    for (const RayList& list : lists) run.rays += list.size();
   }
-  const std::uint64_t hits = contenders.trace(kWays[0]).hits;
-  for (const BareWay& way : kWays) {
-    const std::uint64_t found = contenders.trace(way).hits;
-    if (found == hits) continue;
+  return run;
+}
+
+/// The precompute traced as many rays as bare Embree, or more where it looked around with few first, and all
+/// ways met equally many surfaces.
+Result<void> check_answers(const BareRun& bare, const PrecomputeReport& report, const Model& model,
+                           bool surveyed) {
+  if (surveyed ? report.rays <= bare.rays : report.rays != bare.rays) {
+    return fail(ErrorCode::check_failed, fmt::format("{}: the precompute traced {} rays, bare Embree {}",
+                                                     kName, report.rays, bare.rays));
+  }
+  for (std::size_t w = 0; w < kWays.size(); ++w) {
+    if (bare.hits[w] == bare.hits[0] && bare.hits[w] > 0) continue;
     return fail(ErrorCode::check_failed,
-                fmt::format("{}: {} rays met something one by one, {} in packets of {}", kName, hits, found,
-                            way.width));
+                fmt::format("{}: {} rays met something one by one, {} in packets of {}", kName, bare.hits[0],
+                            bare.hits[w], kWays[w].width));
   }
   std::size_t lumels = 0;
-  for (const System& system : model->systems) lumels += system.lumels.size();
-  if (lumels < 10000) {
-    return fail(ErrorCode::check_failed,
-                fmt::format("{}: expected 10000 lumels or more, found {}", kName, lumels));
-  }
-  return report;
+  for (const System& system : model.systems) lumels += system.lumels.size();
+  if (lumels >= 10000) return {};
+  return fail(ErrorCode::check_failed,
+              fmt::format("{}: expected 10000 lumels or more, found {}", kName, lumels));
 }
 
 struct Times {
-  std::vector<double> precompute, surfaces, rows;
+  std::vector<double> precompute, surfaces, rows, matrices;
   std::array<std::vector<double>, kWays.size()> embree;
+  std::uint64_t rays = 0, survey_rays = 0, occlusion_rays = 0;
 };
 
 /// Turn about, so that whatever else the machine does meets all of them alike.
@@ -80,12 +102,13 @@ Result<Times> take_turns(const Contenders& contenders, std::uint32_t repetitions
     if (!model) return tl::unexpected(model.error());
     times.surfaces.push_back(report.seconds_surfaces);
     times.rows.push_back(report.seconds_rays);
-    for (std::size_t w = 0; w < kWays.size(); ++w) {
-      HitCount count;
-      times.embree[w].push_back(seconds_of([&] { count = contenders.trace(kWays[w]); }));
-      if (count.hits == 0)
-        return fail(ErrorCode::check_failed, fmt::format("{}: no ray met anything", kName));
-    }
+    times.matrices.push_back(report.seconds_rows);
+    const BareRun bare = run_bare(contenders);
+    for (std::size_t w = 0; w < kWays.size(); ++w) times.embree[w].push_back(bare.seconds[w]);
+    times.rays = bare.rays, times.survey_rays = report.rays - bare.rays;
+    times.occlusion_rays = report.occlusion_rays;
+    if (auto right = check_answers(bare, report, *model, contenders.options.budget > 0); !right)
+      return tl::unexpected(right.error());
   }
   return times;
 }
@@ -103,26 +126,26 @@ const Samples& quickest(std::span<const Samples> times) {
                            [](const Samples& a, const Samples& b) { return median(a) < median(b); });
 }
 
-std::vector<Measurement> report_times(const Contenders& contenders, const PrecomputeReport& first,
-                                      const Times& times) {
+std::vector<Measurement> report_times(const Scene& scene, const Times& times) {
   const Samples& best = quickest(std::span(times.embree).first(kSequenceWays));
   const Samples& grouped = quickest(std::span(times.embree).subspan(kSequenceWays));
   std::vector<Measurement> result;
   const auto add = [&](const std::string& name, const std::string& unit, std::vector<double> values) {
     result.push_back({kName, name, unit, std::move(values)});
   };
-  add("triangles", "", {double(contenders.scene.triangles.size())});
-  add("closest-hit rays", "", {double(contenders.sequence.size())});
-  add("occlusion rays of the precompute alone", "", {double(first.occlusion_rays)});
+  add("triangles", "", {double(scene.triangles.size())});
+  add("closest-hit rays", "", {double(times.rays)});
+  add("survey rays of the precompute alone", "", {double(times.survey_rays)});
+  add("occlusion rays of the precompute alone", "", {double(times.occlusion_rays)});
   for (std::size_t w = 0; w < kWays.size(); ++w) {
     add(fmt::format("bare Embree, {} wide{}", kWays[w].width, w < kSequenceWays ? "" : ", grouped"), "s",
         times.embree[w]);
   }
   add("precompute", "s", times.precompute);
-  add("  of it charts, lumels, clusters", "s", times.surfaces);
-  add("  of it rays and rows", "s", times.rows);
-  add("bare Embree, best width", "rays/s",
-      divided(Samples(best.size(), double(contenders.sequence.size())), best));
+  add("  of it charts, lumels, clusters, survey", "s", times.surfaces);
+  add("  of it rays and rows, cut", "s", times.rows);
+  add("  of it matrices", "s", times.matrices);
+  add("bare Embree, best width", "rays/s", divided(Samples(best.size(), double(times.rays)), best));
   add("precompute / best bare Embree", "", divided(times.precompute, best));
   add("precompute / best bare Embree, grouped", "", divided(times.precompute, grouped));
   return result;
@@ -134,19 +157,17 @@ Measurements precompute_vs_embree(const BenchmarkOptions& options) {
   const auto scene = benchmark_scene(options);
   if (!scene) return tl::unexpected(scene.error());
   const Geometry geometry = make_geometry(*scene);
-  const PrecomputeOptions chosen = precompute_options(options, *scene);
-  auto sequence = rays_of_precompute(*scene, geometry, chosen, RayOrder::sequence);
-  if (!sequence) return tl::unexpected(sequence.error());
-  auto grouped = rays_of_precompute(*scene, geometry, chosen, RayOrder::grouped);
-  if (!grouped) return tl::unexpected(grouped.error());
-  auto embree = BareEmbree::create(geometry.positions, geometry.triangles, "");
+  PrecomputeOptions chosen = precompute_options(options, *scene);
+  chosen.budget = options.budget;
+  const auto caster = make_caster(geometry);
+  if (!caster) return tl::unexpected(caster.error());
+  const auto rays = RaysOfPrecompute::create(*scene, geometry, *caster, chosen);
+  if (!rays) return tl::unexpected(rays.error());
+  const auto embree = BareEmbree::create(geometry.positions, geometry.triangles, "");
   if (!embree) return tl::unexpected(embree.error());
-  const Contenders contenders{*scene, chosen, std::move(*sequence), std::move(*grouped), std::move(*embree)};
-  const auto checked = check_answers(contenders);
-  if (!checked) return tl::unexpected(checked.error());
-  const auto times = take_turns(contenders, options.repetitions);
+  const auto times = take_turns({*scene, chosen, *rays, *embree}, options.repetitions);
   if (!times) return tl::unexpected(times.error());
-  return report_times(contenders, *checked, *times);
+  return report_times(*scene, *times);
 }
 
 }  // namespace relume::bench

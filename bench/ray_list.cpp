@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "ray_list.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <numeric>
 
@@ -9,7 +11,6 @@
 #include "precompute/clusters.h"
 #include "precompute/elements.h"
 #include "precompute/hemisphere_rays.h"
-#include "precompute/receiver.h"
 #include "precompute/views.h"
 
 namespace relume::bench {
@@ -27,41 +28,59 @@ void append(const HemispherePacket& packet, RayList& rays) {
   }
 }
 
+void clear(RayList& rays) {
+  for (auto* list : {&rays.origin_x, &rays.origin_y, &rays.origin_z, &rays.direction_x, &rays.direction_y,
+                     &rays.direction_z})
+    list->clear();
+}
+
 }  // namespace
 
-Result<RayList> rays_of_precompute(const Scene& scene, const Geometry& geometry,
-                                   const PrecomputeOptions& options, RayOrder order_of_rays) {
-  const auto caster = make_caster(geometry);
-  if (!caster) return tl::unexpected(caster.error());
+RaysOfPrecompute::RaysOfPrecompute(const Geometry& geometry, const RayCaster& caster,
+                                   const PrecomputeOptions& options)
+    : geometry_(geometry),
+      caster_(caster),
+      seed_(options.seed),
+      sequence_(options.quality),
+      grouped_(options.quality, options.quality) {}
+
+Result<RaysOfPrecompute> RaysOfPrecompute::create(const Scene& scene, const Geometry& geometry,
+                                                  const RayCaster& caster, const PrecomputeOptions& options) {
+  RaysOfPrecompute rays(geometry, caster, options);
   std::vector<std::string> warnings;
   const auto charts = make_charts(scene, geometry, options.texel_size, warnings);
-  const auto layouts = lay_out_systems(scene, geometry, charts, *caster, {}, warnings);
+  const auto layouts = lay_out_systems(scene, geometry, charts, caster, {}, warnings);
   if (!layouts) return tl::unexpected(layouts.error());
   const auto texels = texel_sizes(scene, options.texel_size);
-  const SobolPoints points(options.quality, order_of_rays == RayOrder::grouped ? options.quality : 0);
-  RayList rays;
-  rays.per_receiver = options.quality;
   for (const AtlasLayout& layout : *layouts) {
-    Views views(geometry, *caster);
+    Views views(geometry, caster);
     const SystemSurface surface = make_elements(geometry, charts, layout, views);
     const auto clusters =
-        make_clusters(geometry, charts, layout, surface, *caster, texels, {options.cluster_size, 0.0, {}});
+        make_clusters(geometry, charts, layout, surface, caster, texels, {options.cluster_size, 0.0, {}});
     std::vector<std::uint32_t> order(clusters.size());
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(),
                      [&](std::uint32_t a, std::uint32_t b) { return clusters[a] < clusters[b]; });
     for (const auto e : order) {
       const Element& element = surface.elements[e];
-      const Receiver receiver = Receiver::element(geometry, surface, element, charts[element.chart].side);
-      const std::uint64_t key = mix(receiver.key(), options.seed);
-      HemispherePacket packet;
-      for (std::uint32_t first = 0; first < points.count(); first += kPacketSize) {
-        fill_packet(geometry, *caster, receiver, points, key, first, packet);
-        append(packet, rays);
-      }
+      rays.receivers_.push_back(Receiver::element(geometry, surface, element, charts[element.chart].side));
     }
   }
   return rays;
+}
+
+void RaysOfPrecompute::list(std::size_t first, RayOrder order, std::span<RayList> lists) const {
+  const SobolPoints& points = order == RayOrder::grouped ? grouped_ : sequence_;
+  tbb::parallel_for(std::size_t{0}, lists.size(), [&](std::size_t i) {
+    clear(lists[i]);
+    const Receiver& receiver = receivers_[first + i];
+    const std::uint64_t key = mix(receiver.key(), seed_);
+    HemispherePacket packet;
+    for (std::uint32_t point = 0; point < points.count(); point += kPacketSize) {
+      fill_packet(geometry_, caster_, receiver, points, key, point, packet);
+      append(packet, lists[i]);
+    }
+  });
 }
 
 }  // namespace relume::bench
