@@ -235,7 +235,9 @@ Result<PrecomputedFile> precompute_to_file(const PrecomputeArguments& arguments,
     return input->options.keep_rows ? write_parts(rows_of(arguments.output), file.report.rows.parts)
                                     : Result<void>();
   });
+  auto summing = std::async(policy_of(arguments), [&] { return summarise_model(*model); });
   const Result<void> written = write_model(*model, arguments.output), rows_written = writing.get();
+  file.summary = summing.get();
   for (const Result<void>* done : {&written, &rows_written}) {
     if (!*done) return tl::unexpected(done->error());
   }
@@ -248,9 +250,8 @@ Result<int> run(const PrecomputeArguments& arguments, Console& console) {
   if (arguments.dry_run) return run_dry(arguments, console);
   const Result<PrecomputedFile> file = precompute_to_file(arguments, console);
   if (!file) return tl::unexpected(file.error());
-  const ModelSummary summary = summarise_model(file->model);
-  say_report(arguments, file->report, summary, file->bytes, console);
-  console.finish(report_json(arguments, file->report, summary, file->bytes));
+  say_report(arguments, file->report, file->summary, file->bytes, console);
+  console.finish(report_json(arguments, file->report, file->summary, file->bytes));
   return 0;
 }
 

@@ -10,6 +10,7 @@
 #include "core/model.h"
 #include "precompute/precompute.h"
 #include "tool/console.h"
+#include "tool/model_summary.h"
 
 namespace relume {
 
@@ -27,6 +28,7 @@ struct PrecomputeArguments {
 struct PrecomputedFile {
   Model model;
   PrecomputeReport report;
+  ModelSummary summary;
   std::uint64_t bytes = 0;
 };
 
