@@ -36,8 +36,9 @@ struct Balance {
 
 Balance balance_of(const ProbeTree& tree) {
   Balance sum;
-  for (const OpenCell& cell : tree.cells()) {
-    if (cell.first_child == 0 && !cell.splits.empty()) sum.loss += cell.loss, sum.free += cell.free;
+  for (std::size_t i = 0; i < tree.cells().size(); ++i) {
+    const OpenCell& cell = tree.cells()[i];
+    if (!tree.splits(i).empty()) sum.loss += cell.loss, sum.free += cell.free;
   }
   return sum;
 }
@@ -51,8 +52,8 @@ struct Choice {
 Choice best_split(const ProbeTree& tree, std::uint32_t index) {
   const OpenCell& cell = tree.cells()[index];
   Choice best;
-  for (std::uint32_t p = 0; p < cell.splits.size(); ++p) {
-    const CellSplit& split = cell.splits[p];
+  for (std::uint32_t p = 0; p < tree.splits(index).size(); ++p) {
+    const CellSplit& split = tree.splits(index)[p];
     const double left = split.halves[0].loss + split.halves[1].loss;
     const double saves = std::max(cell.loss - left, kHope * cell.loss);
     const double worth = saves / std::max(tree.cost_of(split), kLeastCost);
@@ -66,7 +67,7 @@ Choice best_split(const ProbeTree& tree, std::uint32_t index) {
 std::vector<ChosenSplit> cells_to_split(const ProbeTree& tree, double excess) {
   std::vector<Choice> choices;
   for (std::uint32_t i = 0; i < tree.cells().size(); ++i) {
-    if (tree.cells()[i].splits.empty()) continue;
+    if (tree.splits(i).empty()) continue;
     if (const Choice choice = best_split(tree, i); choice.worth > 0.0) choices.push_back(choice);
   }
   std::stable_sort(choices.begin(), choices.end(),

@@ -78,7 +78,7 @@ void ProbeCritic::rate(std::size_t first) {
   tbb::parallel_for(first, tree_.cells().size(), [&](std::size_t i) { set_loss(tree_.cells()[i]); });
   tree_.propose(first);
   glance(tree_.lattice().positions(), probes_);
-  tbb::parallel_for(first, tree_.cells().size(), [&](std::size_t i) { hand_down(tree_.cells()[i]); });
+  tbb::parallel_for(first, tree_.cells().size(), [&](std::size_t i) { hand_down(i); });
 }
 
 void ProbeCritic::set_loss(OpenCell& cell) const {
@@ -115,11 +115,11 @@ void ProbeCritic::draw_samples(std::size_t first) {
 }
 
 /// Halves of a cell take over its samples.
-void ProbeCritic::hand_down(OpenCell& cell) const {
-  for (CellSplit& split : cell.splits) {
+void ProbeCritic::hand_down(std::size_t cell) const {
+  for (CellSplit& split : tree_.splits(cell)) {
     const auto axis = int(split.axis);
     const float meet = tree_.lattice().place(split.halves[1].lower)[axis];
-    for (const std::uint32_t s : cell.samples)
+    for (const std::uint32_t s : tree_.cells()[cell].samples)
       split.halves[samples_[s][axis] >= meet ? 1 : 0].samples.push_back(s);
     for (OpenCell& half : split.halves) set_loss(half);
   }

@@ -41,7 +41,7 @@ class ProbeCritic {
  private:
   void glance(const std::vector<glm::vec3>& places, std::vector<Glimpse>& glimpses);
   void draw_samples(std::size_t first);
-  void hand_down(OpenCell& cell) const;
+  void hand_down(std::size_t cell) const;
   void set_loss(OpenCell& cell) const;
   std::vector<glm::vec3> new_samples(std::size_t cell, std::size_t wanted) const;
   double squared_error(const OpenCell& cell) const;

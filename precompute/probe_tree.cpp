@@ -86,20 +86,21 @@ ProbeTree::ProbeTree(const Geometry& geometry, const RayCaster& caster, const Pr
 }
 
 void ProbeTree::propose(std::size_t first) {
+  splits_.resize(cells_.size());
   for (std::size_t i = first; i < cells_.size(); ++i) {
     for (std::uint32_t axis = 0; axis < 3 && cells_[i].loss > 0.0; ++axis) {
-      if (cells_[i].edges[axis] >= 2) cells_[i].splits.push_back(split_of(cells_[i], axis));
+      if (cells_[i].edges[axis] >= 2) splits_[i].push_back(split_of(cells_[i], axis));
     }
   }
   std::vector<const OpenCell*> added;
   for (std::size_t i = first; i < cells_.size(); ++i) {
-    for (const CellSplit& split : cells_[i].splits) {
+    for (const CellSplit& split : splits_[i]) {
       for (const OpenCell& half : split.halves) added.push_back(&half);
     }
   }
   add_corners(added);
   tbb::parallel_for(first, cells_.size(), [&](std::size_t i) {
-    for (CellSplit& split : cells_[i].splits) {
+    for (CellSplit& split : splits_[i]) {
       for (OpenCell& half : split.halves) cut(half);
     }
   });
@@ -116,10 +117,10 @@ double ProbeTree::cost_of(const CellSplit& split) const {
 
 void ProbeTree::split(std::span<const ChosenSplit> chosen) {
   for (const ChosenSplit& choice : chosen) {
-    CellSplit split = std::move(cells_[choice.cell].splits[choice.split]);
+    CellSplit split = std::move(splits_[choice.cell][choice.split]);
     cells_[choice.cell].first_child = std::uint32_t(cells_.size());
     cells_[choice.cell].axis = split.axis;
-    cells_[choice.cell].splits.clear();
+    splits_[choice.cell].clear();
     cells_[choice.cell].cut = {};
     for (OpenCell& half : split.halves) {
       for (std::uint32_t c = 0; c < 8; ++c) corners_.insert(corner_of(half, c));

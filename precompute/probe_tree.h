@@ -16,8 +16,6 @@
 
 namespace relume {
 
-struct CellSplit;
-
 /// A cell while the tree grows: its lower corner and edges in steps of the lattice.
 struct OpenCell {
   LatticePoint lower{};
@@ -28,7 +26,6 @@ struct OpenCell {
   std::vector<std::uint32_t> samples{};  ///< of the critic, that lie in it
   double free = 0.0;                     ///< volume of its free space, in boxes of the lattice's steps
   double loss = 0.0;                     ///< that times the mean square of what is off in it
-  std::vector<CellSplit> splits{};       ///< what it could become
 };
 
 /// The halves of a cell across an axis.
@@ -56,6 +53,9 @@ class ProbeTree {
 
   std::vector<OpenCell>& cells() { return cells_; }
   const std::vector<OpenCell>& cells() const { return cells_; }
+  /// What a cell could become; nothing where nobody asked.
+  std::vector<CellSplit>& splits(std::size_t cell) { return splits_[cell]; }
+  const std::vector<CellSplit>& splits(std::size_t cell) const { return splits_[cell]; }
   const ProbeLattice& lattice() const { return lattice_; }
   glm::vec3 edges_of(const OpenCell& cell) const { return lattice_.size(cell.edges); }
 
@@ -80,8 +80,9 @@ class ProbeTree {
   const RayCaster& caster_;
   ProbeVolume volume_;  ///< its nodes, cells and planes at the end
   ProbeLattice lattice_;
-  std::vector<OpenCell> cells_;     ///< first the roots
-  std::set<LatticePoint> corners_;  ///< of all cells
+  std::vector<OpenCell> cells_;                 ///< first the roots
+  std::vector<std::vector<CellSplit>> splits_;  ///< per cell
+  std::set<LatticePoint> corners_;              ///< of all cells
 };
 
 }  // namespace relume
