@@ -2,8 +2,7 @@
 #include "precompute/embree_memory.h"
 
 #include <fmt/format.h>
-
-#include <new>
+#include <sys/mman.h>
 
 namespace relume {
 namespace {
@@ -24,9 +23,12 @@ Error no_embree_memory(std::size_t triangles) {
 }
 
 Result<void> check_embree_memory(std::size_t triangles) {
-  void* memory = ::operator new(embree_memory(triangles), std::nothrow);
-  if (memory == nullptr) return tl::unexpected(no_embree_memory(triangles));
-  ::operator delete(memory);
+  // Asked of the system, as Embree does: what the program has freed may be kept for itself.
+  const std::size_t bytes = embree_memory(triangles);
+  void* const memory =
+      ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (memory == MAP_FAILED) return tl::unexpected(no_embree_memory(triangles));
+  ::munmap(memory, bytes);
   return {};
 }
 

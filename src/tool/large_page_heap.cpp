@@ -39,7 +39,9 @@ int unmap_pages(std::intptr_t, void* memory, std::size_t bytes) {
 }
 
 rml::MemoryPool* make_pool() {
-  const rml::MemPoolPolicy policy(map_pages, unmap_pages, kGranularity);
+  // What was freed is filled again: to return pages and touch others costs more than to keep them.
+  constexpr bool kFixed = false, kKeepsAll = true;
+  const rml::MemPoolPolicy policy(map_pages, unmap_pages, kGranularity, kFixed, kKeepsAll);
   rml::MemoryPool* pool = nullptr;
   if (rml::pool_create_v1(0, &policy, &pool) != rml::POOL_OK) std::abort();
   return pool;
