@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "bare_embree.h"
 #include "benchmarks.h"
@@ -64,8 +65,10 @@ BareRun run_bare(const Contenders& contenders) {
   return run;
 }
 
+constexpr double kMissedThroughEdges = 1e-6;
+
 /// The precompute traced as many rays as bare Embree, or more where it looked around with few first, and all
-/// ways met equally many surfaces.
+/// ways met equally many surfaces; but for rays through edges, of which each width may miss a few.
 Result<void> check_answers(const BareRun& bare, const PrecomputeReport& report, const Model& model,
                            bool surveyed) {
   if (surveyed ? report.rays <= bare.rays : report.rays != bare.rays) {
@@ -73,7 +76,8 @@ Result<void> check_answers(const BareRun& bare, const PrecomputeReport& report, 
                                                      kName, report.rays, bare.rays));
   }
   for (std::size_t w = 0; w < kWays.size(); ++w) {
-    if (bare.hits[w] == bare.hits[0] && bare.hits[w] > 0) continue;
+    const double missed = std::abs(double(bare.hits[w]) - double(bare.hits[0]));
+    if (bare.hits[w] > 0 && missed <= kMissedThroughEdges * double(bare.hits[0])) continue;
     return fail(ErrorCode::check_failed,
                 fmt::format("{}: {} rays met something one by one, {} in packets of {}", kName, bare.hits[0],
                             bare.hits[w], kWays[w].width));

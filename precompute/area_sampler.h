@@ -46,22 +46,29 @@ class AreaSampler {
     Lanes target;
     for (std::size_t lane = 0; lane < kLanes; ++lane) target[lane] = u[lane] * area();
     points.patch.fill(0);
-    if (patches_.size() == 1) {
-      const Patch only = patches_[0];
-      place([&](std::size_t) -> const Patch& { return only; }, target, v, points);
-      return;
-    }
-    choose_patches(target, points);
-    place([&](std::size_t lane) -> const Patch& { return patches_[points.patch[lane]]; }, target, v, points);
+    if (patches_.size() > 1) choose_patches(target, points);
+    PatchLanes lanes;
+    spread(points.patch, lanes);
+    place(lanes, target, v, points);
   }
 
  private:
   /// Up to so many are counted through in lanes, which is quicker than to search.
   static constexpr std::size_t kFewPatches = 64;
+  /// Up to so many are compared with in lanes, which is quicker than to fetch what each lane needs.
+  static constexpr std::size_t kVeryFewPatches = 4;
+
+  /// What it takes to place a point: area_below, inverse_area, corner, edge1, edge2.
+  static constexpr std::size_t kFields = 11;
+  static std::array<float, kFields> fields(const Patch& p) {
+    return {p.area_below, p.inverse_area, p.corner.x, p.corner.y, p.corner.z, p.edge1.x,
+            p.edge1.y,    p.edge1.z,      p.edge2.x,  p.edge2.y,  p.edge2.z};
+  }
+  using PatchLanes = std::array<Lanes, kFields>;
 
   /// How far into its patch a target lies, in [0, 1).
-  static float share(const Patch& patch, float target) {
-    const float share = (target - patch.area_below) * patch.inverse_area;
+  static float share(float area_below, float inverse_area, float target) {
+    const float share = (target - area_below) * inverse_area;
     return share > 0.0f ? (share < 0.99999994f ? share : 0.99999994f) : 0.0f;
   }
   [[gnu::always_inline]] void choose_patches(const Lanes& target, PointLanes& points) const {
@@ -70,24 +77,41 @@ class AreaSampler {
         points.patch[lane] = std::uint32_t(find(target[lane]));
       return;
     }
+    Lanes chosen{};  // numbers, for vector units keep to one type
     for (std::size_t p = 0; p + 1 < patches_.size(); ++p) {
-      for (std::size_t lane = 0; lane < kLanes; ++lane)
-        points.patch[lane] += target[lane] >= area_above_[p] ? 1u : 0u;
+      const float above = area_above_[p];
+      for (std::size_t lane = 0; lane < kLanes; ++lane) chosen[lane] += target[lane] >= above ? 1.0f : 0.0f;
+    }
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+      points.patch[lane] = std::uint32_t(std::int32_t(chosen[lane]));
+  }
+  /// The fields of the patch of each lane.
+  [[gnu::always_inline]] void spread(const std::array<std::uint32_t, kLanes>& patch,
+                                     PatchLanes& lanes) const {
+    if (patches_.size() > kVeryFewPatches) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const auto own = fields(patches_[patch[lane]]);
+        for (std::size_t f = 0; f < kFields; ++f) lanes[f][lane] = own[f];
+      }
+      return;
+    }
+    for (std::size_t f = 0; f < kFields; ++f) {
+      Lanes values;
+      values.fill(few_[f][0]);
+      for (std::uint32_t p = 1; p < patches_.size(); ++p) {
+        for (std::size_t lane = 0; lane < kLanes; ++lane)
+          values[lane] = patch[lane] == p ? few_[f][p] : values[lane];
+      }
+      lanes[f] = values;
     }
   }
-  template <class PatchOf>
-  [[gnu::always_inline]] static void place(const PatchOf& patch_of, const Lanes& target, const Lanes& v,
+  [[gnu::always_inline]] static void place(const PatchLanes& patch, const Lanes& target, const Lanes& v,
                                            PointLanes& points) {
-    Lanes along1, along2;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) along1[lane] = share(patch_of(lane), target[lane]);
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const glm::vec2 at = triangle_point(along1[lane], v[lane]);
-      along1[lane] = at.x, along2[lane] = at.y;
-    }
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const Patch& patch = patch_of(lane);
-      const glm::vec3 point = patch.corner + along1[lane] * patch.edge1 + along2[lane] * patch.edge2;
-      points.x[lane] = point.x, points.y[lane] = point.y, points.z[lane] = point.z;
+      const glm::vec2 at = triangle_point(share(patch[0][lane], patch[1][lane], target[lane]), v[lane]);
+      points.x[lane] = patch[2][lane] + at.x * patch[5][lane] + at.y * patch[8][lane];
+      points.y[lane] = patch[3][lane] + at.x * patch[6][lane] + at.y * patch[9][lane];
+      points.z[lane] = patch[4][lane] + at.x * patch[7][lane] + at.y * patch[10][lane];
     }
   }
   std::size_t find(float target) const {
@@ -97,7 +121,8 @@ class AreaSampler {
 
   bool flat_ = true;
   std::vector<Patch> patches_;
-  std::vector<float> area_above_;  ///< m2, of all patches up to and with each
+  std::vector<float> area_above_;                                  ///< m2, of all patches up to and with each
+  std::array<std::array<float, kVeryFewPatches>, kFields> few_{};  ///< fields of the first patches
 };
 
 }  // namespace relume

@@ -20,6 +20,35 @@ constexpr float kAtLeast = 0.1f;
 /// from its spot at first hand. Spots are no smaller than this share of the room's surface.
 constexpr float kSpots = 0.02f, kLeastSpot = 0.003f;
 
+/// Of one leaf after the other: adds what rows receive from it to the sums before it.
+struct LeafSums {
+  std::span<const float> factors;  ///< [row]
+  const ProbingValues& radiosity;
+  std::span<const ProbingValues> weights;  ///< [row]
+  std::span<const CutRow> rows;
+};
+
+/// `light` holds the sums before a leaf [row], and has room for those after it behind them. The same numbers
+/// from either version, for neither contracts nor reorders.
+[[gnu::target_clones("avx2", "default")]] void add_leaf(const LeafSums& leaf, ProbingValues* light,
+                                                        ProbingValues& noise_sum) {
+  const ProbingValues radiosity = leaf.radiosity;
+  ProbingValues noise = noise_sum;
+  const std::size_t rows = leaf.rows.size();
+  for (std::size_t r = 0; r < rows; ++r) {
+    const float factor = leaf.factors[r], share = factor / leaf.rows[r].rays;
+    ProbingValues sum = light[r];
+    for (std::size_t p = 0; p < kProbings; ++p) sum[p] += factor * radiosity[p];
+    light[rows + r] = sum;
+    const ProbingValues weights = leaf.weights[r];
+    for (std::size_t p = 0; p < kProbings; ++p) {
+      const float weighted = weights[p] * radiosity[p];
+      noise[p] += share * weighted * weighted;
+    }
+  }
+  noise_sum = noise;
+}
+
 /// Form factor over area, but for what stands between. A place without a normal, a light probe, is a plane
 /// that half faces the other.
 float density(const SurfacePoint& from, const NodeSurface& to) {
@@ -46,8 +75,12 @@ struct TileCutter::Candidate {
 
 std::uint32_t room_of(const Probing& probing, const FormFactorRow& row) {
   std::map<std::uint32_t, float> sums;
-  for (std::size_t i = 0; i < row.senders.size() && row.senders[i] < probing.rooms.size(); ++i)
-    sums[probing.rooms[row.senders[i]]] += row.values[i];
+  auto last = sums.end();  // neighbours mostly lie in one room
+  for (std::size_t i = 0; i < row.senders.size() && row.senders[i] < probing.rooms.size(); ++i) {
+    const std::uint32_t room = probing.rooms[row.senders[i]];
+    if (last == sums.end() || last->first != room) last = sums.try_emplace(room, 0.0f).first;
+    last->second += row.values[i];
+  }
   const auto most = std::max_element(sums.begin(), sums.end(),
                                      [](const auto& a, const auto& b) { return a.second < b.second; });
   return most == sums.end() ? kNoRoom : most->first;
@@ -102,18 +135,12 @@ void TileCutter::sum_up() {
   light_sums_.resize((leaves_.size() + 1) * tile_.size());
   noise_sums_.assign(1, ProbingValues{});
   for (std::size_t i = 0; i < leaves_.size(); ++i) {
-    const ProbingValues& radiosity = probing_.senders[leaves_[i]];
+    const std::size_t at = i * tile_.size();
+    const std::span factors = std::span<const float>(factors_).subspan(at, tile_.size());
+    for (std::size_t r = 0; r < factors.size(); ++r)
+      factor_sums_[at + tile_.size() + r] = factor_sums_[at + r] + factors[r];
     noise_sums_.push_back(noise_sums_.back());
-    for (std::size_t r = 0; r < tile_.size(); ++r) {
-      const std::size_t at = i * tile_.size() + r;
-      const float share = factors_[at] / tile_[r].rays;
-      factor_sums_[at + tile_.size()] = factor_sums_[at] + factors_[at];
-      for (std::size_t p = 0; p < kProbings; ++p) {
-        light_sums_[at + tile_.size()][p] = light_sums_[at][p] + factors_[at] * radiosity[p];
-        const float weighted = weights_[r][p] * radiosity[p];
-        noise_sums_.back()[p] += share * weighted * weighted;
-      }
-    }
+    add_leaf({factors, probing_.senders[leaves_[i]], weights_, tile_}, &light_sums_[at], noise_sums_.back());
   }
   added_errors_.assign(tile_.size(), ProbingValues{});
   squared_errors_ = spot_errors_ = 0.0;

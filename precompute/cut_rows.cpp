@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "precompute/cut_rows.h"
 
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -21,8 +20,13 @@ CutLimits tile_limits(std::span<const CutLimits> limits) {
 
 std::vector<CutTile> cut_rows(const CutSenders& senders, std::span<const CutRow> rows,
                               const TileCutOptions& options) {
+  TileCutters cutters([&] { return TileCutter(senders); });
+  return cut_rows(cutters, rows, options);
+}
+
+std::vector<CutTile> cut_rows(TileCutters& cutters, std::span<const CutRow> rows,
+                              const TileCutOptions& options) {
   std::vector<CutTile> tiles((rows.size() + options.rows - 1) / options.rows);
-  tbb::enumerable_thread_specific<TileCutter> cutters([&] { return TileCutter(senders); });
   tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t t) {
     const std::size_t first = t * options.rows,
                       count = std::min<std::size_t>(options.rows, rows.size() - first);

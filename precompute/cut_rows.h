@@ -3,6 +3,8 @@
 // All rows of a model, cut: tiles of neighbouring rows that share the nodes that they keep.
 #pragma once
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -18,6 +20,11 @@ struct TileCutOptions {
 
 /// Tiles in the order of their rows; in the calling task arena, the same for any number of threads.
 std::vector<CutTile> cut_rows(const CutSenders& senders, std::span<const CutRow> rows,
+                              const TileCutOptions& options);
+
+/// One for each thread, made when it is needed; for whoever cuts again and again.
+using TileCutters = tbb::enumerable_thread_specific<TileCutter>;
+std::vector<CutTile> cut_rows(TileCutters& cutters, std::span<const CutRow> rows,
                               const TileCutOptions& options);
 
 }  // namespace relume

@@ -12,6 +12,7 @@ inline constexpr std::uint32_t kAllLanes = (1u << kPacketSize) - 1u;
 
 /// Lanes outside of `lanes` have no ray.
 inline void choose_lanes(std::uint32_t lanes, RayPacket& rays) {
+  if (lanes == kAllLanes) return;
   for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
     if ((lanes >> lane & 1u) == 0) rays.far[lane] = -1.0f;
   }

@@ -67,24 +67,29 @@ void RaySight::trace(std::uint32_t lanes, RayPacket& rays, PacketSight& sight) {
 }
 
 std::uint32_t RaySight::look_up(std::uint32_t lanes, const RayPacket& rays, PacketSight& sight) const {
-  // Step by step for all lanes, so that none waits for the memory of another.
-  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
-    if ((lanes >> lane & 1u) != 0) sight.place[lane] = place_of(lane, rays);
+  std::array<std::uint32_t, kPacketSize> places;
+  const std::uint32_t known = lanes & lookup_.seen(rays, places);
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane)
+    sight.place[lane] = (known >> lane & 1u) != 0 ? places[lane] : sight.place[lane];
+  for (std::uint32_t rest = lanes & ~known; rest != 0; rest &= rest - 1) {
+    const auto lane = std::size_t(std::countr_zero(rest));
+    sight.place[lane] = place_of(lane, rays);
   }
-  std::uint32_t doubtful = 0;
-  sight.emitters &= ~lanes;
+  std::uint32_t doubtful = 0, emitters = 0;
   for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
-    if ((lanes >> lane & 1u) == 0) continue;
-    const std::uint32_t place = sight.place[lane];
+    const std::uint32_t place = sight.place[lane], bit = lanes & 1u << lane;
     if (!sees_element(place)) {
-      doubtful |= place == kNone ? 1u << lane : 0u;
+      doubtful |= place == kNone ? bit : 0u;
       continue;
     }
     const ElementOwner owner = lookup_.owner_of(place);
     sight.sender[lane] = owner.sender();
-    doubtful |= owner.near_walls() ? 1u << lane : 0u;
-    if (emitters_.contain(owner.sender())) add_emitter(lane, rays, sight);
+    doubtful |= owner.near_walls() ? bit : 0u;
+    emitters |= emitters_.contain(owner.sender()) ? bit : 0u;
   }
+  sight.emitters = (sight.emitters & ~lanes) | emitters;
+  for (; emitters != 0; emitters &= emitters - 1)
+    add_emitter(std::size_t(std::countr_zero(emitters)), rays, sight);
   return doubtful;
 }
 
@@ -97,7 +102,6 @@ std::uint32_t RaySight::place_of(std::size_t lane, const RayPacket& rays) const 
 
 void RaySight::add_emitter(std::size_t lane, const RayPacket& rays, PacketSight& sight) const {
   const glm::vec3 direction(rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]);
-  sight.emitters |= 1u << lane;
   sight.distance[lane] = rays.far[lane];
   sight.cosine[lane] = std::abs(glm::dot(direction, geometry_.normals[rays.triangle[lane]]));
 }

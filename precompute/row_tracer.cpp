@@ -29,6 +29,13 @@ std::uint32_t owned_lanes(const RowScene& scene, const Receiver& receiver, const
   return lanes;
 }
 
+/// Whether all lanes see elements, none of them of possible emitters.
+bool sees_elements_only(const PacketSight& seen) {
+  bool elements = seen.emitters == 0;
+  for (const std::uint32_t place : seen.place) elements &= sees_element(place);
+  return elements;
+}
+
 /// Calls with so many points that they fill a packet, the last ones with fewer.
 template <class Use>
 void for_each_packet(std::span<const std::uint32_t> points, Use&& use) {
@@ -90,6 +97,11 @@ RowTracer::Totals RowTracer::trace_hemisphere(const Receiver& receiver, const So
     make_packet(scene_.geometry, receiver, points, key, some, packet);
     sight_.see(packet.numbers, packet.used_lanes(), packet.rays, seen,
                [&](std::uint32_t lanes) { return owned_lanes(scene_, receiver, packet.origins, lanes); });
+    if (!scene_.directional && sees_elements_only(seen)) {
+      totals.traced += kLanes, totals.arrived += kLanes;
+      for (const std::uint32_t sender : seen.sender) tally_.count(sender);
+      return;
+    }
     for (int lane = 0; lane < kPacketSize; ++lane)
       count_hit(receiver, packet, seen, lane, range.count, totals);
   });
@@ -227,7 +239,7 @@ FormFactorRow RowTracer::finish_row(const Totals& totals) {
   const RowScales scales =
       close_row(emitted, totals.traced > 0 ? double(counted) / totals.traced : 0.0, row_sum);
   row.senders.reserve(tally_.touched.size());
-  row.values.reserve(tally_.touched.size());
+  row.values.reserve(row.senders.capacity());
   const bool any_emitters = !scene_.emitters.list.empty();
   tally_.touched.drain([&](std::uint32_t sender) {
     if (sender >= sender_count(scene_)) return;

@@ -129,6 +129,30 @@ std::uint32_t SenderLookup::element(const SurfaceHit& hit) const {
   return element_on(hit.side == Side::front ? front_[hit.triangle] : back_[hit.triangle], hit);
 }
 
+std::uint32_t SenderLookup::seen(const RayPacket& rays,
+                                 std::array<std::uint32_t, kPacketSize>& places) const {
+  if (grids_.empty()) return 0;
+  // Without branches, and no lane waits for the memory of another.
+  static constexpr std::uint32_t kAskAlone = kNone;
+  std::array<const std::uint32_t*, kPacketSize> entries;
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
+    const bool met = rays.triangle[lane] != kNoTriangle;
+    const Face& face = front_[met ? rays.triangle[lane] : 0];
+    const glm::vec3 direction(rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]);
+    const bool plain = met & (glm::dot(face.normal, direction) < 0.0f) & (face.system != kNone);
+    const Grid& grid = grids_[plain ? face.system : 0];
+    const GridPoint at = locate(face, grid, plain ? rays.u[lane] : 0.0f, plain ? rays.v[lane] : 0.0f);
+    const std::uint32_t* entry = grid.entry.data() + std::size_t(at.y) * grid.width + at.x;
+    entries[lane] = plain ? entry : &kAskAlone;
+  }
+  std::uint32_t known = 0;
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
+    places[lane] = *entries[lane];
+    known |= (places[lane] >> 31 ^ 1u) << lane;
+  }
+  return known;
+}
+
 std::uint32_t SenderLookup::seen_from_behind(std::uint32_t triangle, float u, float v,
                                              const glm::vec3& direction) const {
   const auto hit = seen_surface(geometry_, {triangle, u, v, Side::back}, direction);

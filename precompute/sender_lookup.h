@@ -87,6 +87,10 @@ class SenderLookup {
                       : seen_from_behind(triangle, u, v, direction);
   }
 
+  /// The same of all lanes of a packet at once; bits of those whose `places` are known. The others are to be
+  /// asked one by one: they met nothing, or a back, or are near walls.
+  std::uint32_t seen(const RayPacket& rays, std::array<std::uint32_t, kPacketSize>& places) const;
+
  private:
   /// All that a hit asks of one side of a triangle. Coordinates over it in the chart: base + u du + v dv,
   /// lumels.

@@ -21,11 +21,7 @@ class SenderSet {
     };
   }
 
-  std::size_t size() const {
-    std::size_t size = 0;
-    for (const std::uint64_t word : words_) size += static_cast<std::size_t>(std::popcount(word));
-    return size;
-  }
+  std::size_t size() const;
 
   /// Calls visit(sender), ascending, and forgets all.
   template <class Visit>

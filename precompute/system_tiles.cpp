@@ -45,7 +45,10 @@ std::vector<CutTile> cut_clusters(const CutSenders& senders, const TracedSystem&
 
 LumelCutter::LumelCutter(const CutSenders& senders, const TracedSystem& system,
                          const std::vector<std::uint32_t>& order, const std::vector<CutLimits>& node_cuts)
-    : senders_(senders), system_(system), order_(order), node_cuts_(node_cuts) {}
+    : cutters_([senders] { return TileCutter(senders); }),
+      system_(system),
+      order_(order),
+      node_cuts_(node_cuts) {}
 
 void LumelCutter::take(std::uint32_t last, SystemRows& rows) {
   for (; next_ < order_.size() && system_.surface.cluster[order_[next_]] < last; ++next_) {
@@ -71,7 +74,7 @@ void LumelCutter::cut(std::size_t count, SystemRows& rows) {
     limits.push_back(node_cuts_[system_.node(waiting_[i])]);
   }
   if (count == 0) return;
-  auto tiles = cut_rows(senders_, cut, {kTileRows, limits});
+  auto tiles = cut_rows(cutters_, cut, {kTileRows, limits});
   std::move(tiles.begin(), tiles.end(), std::back_inserter(tiles_));
   for (std::size_t i = 0; i < count; ++i) rows.elements[waiting_[i]] = {};
   waiting_.erase(waiting_.begin(), waiting_.begin() + std::ptrdiff_t(count));

@@ -37,7 +37,7 @@ class LumelCutter {
  private:
   void cut(std::size_t count, SystemRows& rows);
 
-  CutSenders senders_;
+  TileCutters cutters_;
   TracedSystem system_;
   const std::vector<std::uint32_t>& order_;
   const std::vector<CutLimits>& node_cuts_;
