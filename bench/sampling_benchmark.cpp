@@ -100,6 +100,7 @@ Row random_row(const SamplingScene& scene, const Receiver& receiver, std::uint32
   std::uint64_t state = mix(receiver.key(), seed);
   double traced = 0.0;
   HemispherePacket packet;
+  const SkyCells cells(kSkyResolution);
   for (std::uint32_t first = 0; first < rays; first += std::uint32_t(kLanes)) {
     fill_random(scene, receiver, state, packet);
     scene.caster.closest_hits(packet.rays, RaySpread::wide);
@@ -108,10 +109,9 @@ Row random_row(const SamplingScene& scene, const Receiver& receiver, std::uint32
       traced += 1.0;
       const RayPacket& r = packet.rays;
       const glm::vec3 direction(r.direction_x[lane], r.direction_y[lane], r.direction_z[lane]);
-      const std::uint32_t sender =
-          r.triangle[lane] == kNoTriangle
-              ? scene.rows.sky_senders[sky_cell(glm::dvec3(direction), kSkyResolution)]
-              : sender_seen(scene.lookup, r, lane, direction);
+      const std::uint32_t sender = r.triangle[lane] == kNoTriangle
+                                       ? scene.rows.sky_senders[cells.of(glm::dvec3(direction))]
+                                       : sender_seen(scene.lookup, r, lane, direction);
       if (sender < counts.size()) counts[sender] += 1.0;
     }
   }

@@ -18,13 +18,31 @@ glm::vec3 lifted(const Geometry& geometry, const RayCaster& caster, const Surfac
 
 }  // namespace
 
+float room_above(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& at, float most) {
+  return caster.free_way(at.position + at.normal * geometry.offset, at.normal, most);
+}
+
+float lift_between(const Geometry& geometry, const SurfacePoint& a, const SurfacePoint& b) {
+  const float half_angle_sine = std::sqrt(std::max(0.0f, 0.5f - 0.5f * glm::dot(a.normal, b.normal)));
+  return std::max(geometry.offset,
+                  glm::length(b.position - a.position) * (kFlatLift + 0.5f * half_angle_sine));
+}
+
 bool mutually_visible(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& a,
                       const SurfacePoint& b) {
-  const float distance = glm::length(b.position - a.position);
-  if (distance == 0.0f) return true;
-  const float half_angle_sine = std::sqrt(std::max(0.0f, 0.5f - 0.5f * glm::dot(a.normal, b.normal)));
-  const float lift = std::max(geometry.offset, distance * (kFlatLift + 0.5f * half_angle_sine));
+  if (a.position == b.position) return true;
+  const float lift = lift_between(geometry, a, b);
   return !caster.occluded(lifted(geometry, caster, a, lift), lifted(geometry, caster, b, lift));
+}
+
+bool mutually_visible(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& a, float room_a,
+                      const SurfacePoint& b, float room_b) {
+  if (a.position == b.position) return true;
+  const float lift = lift_between(geometry, a, b);
+  const auto end = [&](const SurfacePoint& p, float room) {
+    return p.position + p.normal * (lift - geometry.offset <= room ? lift : geometry.offset);
+  };
+  return !caster.occluded(end(a, room_a), end(b, room_b));
 }
 
 }  // namespace relume

@@ -21,6 +21,16 @@ struct SurfacePoint {
 bool mutually_visible(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& a,
                       const SurfacePoint& b);
 
+/// How far one can go straight up from `offset` above a surface, m, at most `most`.
+float room_above(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& at, float most);
+
+/// The most that either of two points is lifted, m.
+float lift_between(const Geometry& geometry, const SurfacePoint& a, const SurfacePoint& b);
+
+/// mutually_visible() of points above which so much is free: for whoever asks about a point again and again.
+bool mutually_visible(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& a, float room_a,
+                      const SurfacePoint& b, float room_b);
+
 /// All that the answer depends on lies within this many times their distance of the points.
 inline constexpr float kLiftReach = 1.6f;
 

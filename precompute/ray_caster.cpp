@@ -123,13 +123,11 @@ void attach_triangles(RTCDevice device, RTCScene scene, const Mesh& mesh, Triang
   rtcReleaseGeometry(geometry);
 }
 
-/// The ray from a to b.
-RTCRay segment(const glm::vec3& a, const glm::vec3& b) {
-  const glm::vec3 direction = b - a;
+RTCRay ray_from(const glm::vec3& origin, const glm::vec3& direction, float far) {
   RTCRay ray{};
-  ray.org_x = a.x, ray.org_y = a.y, ray.org_z = a.z;
+  ray.org_x = origin.x, ray.org_y = origin.y, ray.org_z = origin.z;
   ray.dir_x = direction.x, ray.dir_y = direction.y, ray.dir_z = direction.z;
-  ray.tnear = 0.0f, ray.tfar = 1.0f;
+  ray.tnear = 0.0f, ray.tfar = far;
   ray.mask = ~0u;
   return ray;
 }
@@ -288,15 +286,24 @@ std::uint32_t RayCaster::occluded(RayPacket& packet) const {
 
 bool RayCaster::occluded(const glm::vec3& a, const glm::vec3& b) const {
   QueryContext query = start_query(AlphaTest::solid);
-  RTCRay ray = segment(a, b);
+  RTCRay ray = ray_from(a, b - a, 1.0f);
   rtcOccluded1(scene_->scene.get(), &query.base, &ray);
   return ray.tfar < 0.0f;
+}
+
+float RayCaster::free_way(const glm::vec3& from, const glm::vec3& direction, float most) const {
+  QueryContext query = start_query(AlphaTest::solid);
+  RTCRayHit hit{};
+  hit.ray = ray_from(from, direction, most);
+  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(scene_->scene.get(), &query.base, &hit);
+  return hit.ray.tfar;
 }
 
 float RayCaster::transmittance(const glm::vec3& a, const glm::vec3& b) const {
   QueryContext query = start_query(AlphaTest::coin);
   query.multiply = true;
-  RTCRay ray = segment(a, b);
+  RTCRay ray = ray_from(a, b - a, 1.0f);
   rtcOccluded1(scene_->scene.get(), &query.base, &ray);
   return ray.tfar < 0.0f ? 0.0f : float(query.transmittance);
 }

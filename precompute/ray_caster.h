@@ -87,6 +87,9 @@ class RayCaster {
   /// Whether anything lies between a and b, both of them included; AlphaTest::solid. Thread-safe.
   bool occluded(const glm::vec3& a, const glm::vec3& b) const;
 
+  /// How far one gets from a point along a unit direction, at most `most`; AlphaTest::solid. Thread-safe.
+  float free_way(const glm::vec3& from, const glm::vec3& direction, float most) const;
+
   /// The share of light that gets from a to b: 0 behind anything opaque, else the product of 1 - opacity over
   /// all that it meets. Thread-safe.
   float transmittance(const glm::vec3& a, const glm::vec3& b) const;

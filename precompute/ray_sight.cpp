@@ -5,7 +5,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "core/sky.h"
 #include "precompute/packet_lanes.h"
 #include "precompute/ray_recall.h"
 
@@ -16,6 +15,7 @@ RaySight::RaySight(const Geometry& geometry, const RayCaster& caster, const Send
       caster_(caster),
       lookup_(lookup),
       emitters_(emitters),
+      sky_cells_(RayCodes::kSkyResolution),
       recall_(memory != nullptr ? std::make_unique<RayRecall>(*memory, emitters, lookup) : nullptr) {}
 RaySight::RaySight(RaySight&&) noexcept = default;
 RaySight::~RaySight() = default;
@@ -96,7 +96,7 @@ std::uint32_t RaySight::look_up(std::uint32_t lanes, const RayPacket& rays, Pack
 std::uint32_t RaySight::place_of(std::size_t lane, const RayPacket& rays) const {
   const glm::vec3 direction(rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]);
   const std::uint32_t triangle = rays.triangle[lane];
-  return triangle == kNoTriangle ? kSky + sky_cell(glm::dvec3(direction), RayCodes::kSkyResolution)
+  return triangle == kNoTriangle ? kSky + sky_cells_.of(glm::dvec3(direction))
                                  : lookup_.seen(triangle, rays.u[lane], rays.v[lane], direction);
 }
 

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "core/sky.h"
 #include "precompute/emitters.h"
 #include "precompute/ray_caster.h"
 #include "precompute/sender_lookup.h"
@@ -142,6 +143,7 @@ class RaySight {
   const RayCaster& caster_;
   const SenderLookup& lookup_;
   const Emitters& emitters_;
+  SkyCells sky_cells_;
   std::unique_ptr<RayRecall> recall_;
   std::uint64_t traced_ = 0, traced_samples_ = 0;
 };

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
+#include <span>
 
 namespace relume {
 namespace {
@@ -58,6 +60,8 @@ SenderLookup::SenderLookup(const Geometry& geometry, const std::vector<Chart>& c
     make_grid(layouts[s], s);
   }
   owners_.resize(elements);
+  rooms_ = std::vector<std::atomic<float>>(elements);
+  for (auto& room : rooms_) room.store(-1.0f, std::memory_order_relaxed);
   follow_clusters();
 }
 
@@ -159,41 +163,72 @@ std::uint32_t SenderLookup::seen_from_behind(std::uint32_t triangle, float u, fl
   return hit ? element(*hit) : kBlackBack;
 }
 
+float SenderLookup::room_over(std::uint32_t element, const SurfacePoint& middle) const {
+  std::atomic<float>& known = rooms_[element];
+  float room = known.load(std::memory_order_relaxed);
+  if (room < 0.0f) {
+    room = room_above(geometry_, caster_, middle, std::numeric_limits<float>::infinity());
+    known.store(room, std::memory_order_relaxed);
+  }
+  return room;
+}
+
+/// Elements of the lumels around a point that agree with it in material and face the same way.
+struct SenderLookup::Candidates {
+  struct One {
+    float distance;
+    std::uint32_t element;  ///< of the system
+    SurfacePoint middle;
+  };
+  static constexpr std::size_t kMost = 48;
+  std::array<One, kMost> list;
+  std::size_t count = 0;
+  float highest = 0.0f;  ///< lift between the point and any of them, m
+
+  std::span<One> all() { return std::span(list).first(count); }
+};
+
+void SenderLookup::add_candidates(const SurfacePoint& point, std::uint32_t material, std::uint32_t system,
+                                  std::uint32_t cell, Candidates& candidates) const {
+  const SystemSurface& surface = surfaces_[system].surface;
+  for (auto e = surface.first_element[cell]; e < surface.first_element[cell + 1]; ++e) {
+    const Element& element = surface.elements[e];
+    const bool agrees = element.material == material && glm::dot(element.normal, point.normal) > 0.5f;
+    if (!agrees || candidates.count == Candidates::kMost) continue;
+    const SurfacePoint middle{element.position, element.normal};
+    candidates.list[candidates.count++] = {glm::length(middle.position - point.position), e, middle};
+    candidates.highest = std::max(candidates.highest, lift_between(geometry_, point, middle));
+  }
+}
+
 std::uint32_t SenderLookup::search(const SurfaceHit& hit, std::uint32_t system, std::uint32_t cell) const {
-  const ClusteredSurface& own = surfaces_[system];
   const Grid& grid = grids_[system];
   const SurfacePoint point{geometry_.point(hit.triangle, hit.u, hit.v),
                            geometry_.normal(hit.triangle, hit.side)};
-  const std::uint32_t material = geometry_.material[hit.triangle];
-  struct Candidate {
-    float distance;
-    std::uint32_t element;
-  };
-  constexpr std::size_t kMaxCandidates = 48;
-  std::array<Candidate, kMaxCandidates> candidates;
-  std::size_t count = 0;
+  Candidates candidates;
   const int cx = int(cell % grid.width), cy = int(cell / grid.width);
   for (int step = 0; step < 9; ++step) {
     const int x = cx + step % 3 - 1, y = cy + step / 3 - 1;
     if (x < 0 || y < 0 || x >= int(grid.width) || y >= int(grid.height)) continue;
-    const std::uint32_t neighbour = std::uint32_t(y) * grid.width + std::uint32_t(x);
-    for (auto e = own.surface.first_element[neighbour]; e < own.surface.first_element[neighbour + 1]; ++e) {
-      const Element& element = own.surface.elements[e];
-      const bool agrees = element.material == material && glm::dot(element.normal, point.normal) > 0.5f;
-      if (agrees && count < kMaxCandidates)
-        candidates[count++] = {glm::length(element.position - point.position), e};
-    }
+    add_candidates(point, geometry_.material[hit.triangle], system,
+                   std::uint32_t(y) * grid.width + std::uint32_t(x), candidates);
   }
-  // Nearest first; it is seldom not the first that is seen.
-  const auto before = [](const Candidate& a, const Candidate& b) {
+  return nearest_seen(point, candidates, first_elements_[system]);
+}
+
+std::uint32_t SenderLookup::nearest_seen(const SurfacePoint& point, Candidates& candidates,
+                                         std::uint32_t first_element) const {
+  if (candidates.count == 0) return kNone;
+  const float room = room_above(geometry_, caster_, point, candidates.highest);
+  const auto before = [](const Candidates::One& a, const Candidates::One& b) {
     return a.distance < b.distance || (a.distance == b.distance && a.element < b.element);
   };
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto first = candidates.begin() + std::ptrdiff_t(i);
-    std::iter_swap(first, std::min_element(first, candidates.begin() + std::ptrdiff_t(count), before));
-    const Element& element = own.surface.elements[first->element];
-    if (mutually_visible(geometry_, caster_, point, {element.position, element.normal}))
-      return first_elements_[system] + first->element;
+  // It is seldom not the first that is seen: they are not sorted.
+  for (auto rest = candidates.all(); !rest.empty(); rest = rest.subspan(1)) {
+    std::iter_swap(rest.begin(), std::min_element(rest.begin(), rest.end(), before));
+    const std::uint32_t element = first_element + rest[0].element;
+    const SurfacePoint& middle = rest[0].middle;
+    if (mutually_visible(geometry_, caster_, point, room, middle, room_over(element, middle))) return element;
   }
   return kNone;
 }

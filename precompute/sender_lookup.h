@@ -16,6 +16,7 @@
 #include "precompute/charts.h"
 #include "precompute/elements.h"
 #include "precompute/geometry.h"
+#include "precompute/mutual_visibility.h"
 #include "precompute/ray_caster.h"
 
 namespace relume {
@@ -148,6 +149,13 @@ class SenderLookup {
   void make_grid(const AtlasLayout& layout, std::uint32_t system);
   std::uint32_t find_fine_entry(std::uint32_t system, std::uint32_t cell, std::size_t wanted) const;
   std::uint32_t seen_from_behind(std::uint32_t triangle, float u, float v, const glm::vec3& direction) const;
+  struct Candidates;
+  void add_candidates(const SurfacePoint& point, std::uint32_t material, std::uint32_t system,
+                      std::uint32_t cell, Candidates& candidates) const;
+  std::uint32_t nearest_seen(const SurfacePoint& point, Candidates& candidates,
+                             std::uint32_t first_element) const;
+  /// room_above() the middle of an element of all systems.
+  float room_over(std::uint32_t element, const SurfacePoint& middle) const;
   std::uint32_t search(const SurfaceHit& hit, std::uint32_t system, std::uint32_t cell) const;
 
   const Geometry& geometry_;
@@ -158,6 +166,9 @@ class SenderLookup {
   std::vector<Grid> grids_;
   std::vector<std::uint32_t> first_elements_;  ///< per system
   std::vector<ElementOwner> owners_;           ///< per element of all systems
+  /// Per element of all systems: room_over(), below 0 until somebody asks. Others who ask meanwhile find the
+  /// same.
+  mutable std::vector<std::atomic<float>> rooms_;
 };
 
 }  // namespace relume

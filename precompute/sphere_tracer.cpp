@@ -69,9 +69,8 @@ std::vector<SeenSender> unite_senders(std::vector<SeenSender> samples) {
     if (seen.solid_angle > 0.0f) result.push_back(seen);
   };
   const auto sender = [](const SeenSender& sample) { return sample.sender; };
-  const auto part = [](const SeenSender& sample) {
-    return sky_cell(glm::dvec3(sample.direction), kPartResolution);
-  };
+  const SkyCells parts(kPartResolution);
+  const auto part = [&](const SeenSender& sample) { return parts.of(glm::dvec3(sample.direction)); };
   for_each_run(samples, sender, [&](std::span<SeenSender> run) {
     if (glm::length(mean_of(run).direction) >= kShortestMean) {
       add(run);

@@ -20,12 +20,6 @@ double edge_angle(double index, std::uint32_t resolution) {
   return (2.0 * index / resolution - 1.0) * kPi / 4.0;
 }
 
-std::uint32_t index_of(double tangent, std::uint32_t resolution) {
-  const double position = (std::atan(tangent) * 4.0 / kPi + 1.0) / 2.0 * resolution;
-  if (!(position > 0.0)) return 0;
-  return std::min(static_cast<std::uint32_t>(position), resolution - 1);
-}
-
 CellPlace place_of(std::uint32_t cell, std::uint32_t resolution) {
   const std::uint32_t face = cell / (resolution * resolution);
   return {face, cell / resolution % resolution, cell % resolution};
@@ -50,14 +44,14 @@ std::uint32_t parts_per_pixel(const EquirectangularSky& sky, std::uint32_t resol
 
 /// Adds one row of pixel parts, at the height `theta` (from +Y) and with the solid angle `part` each.
 void add_row(const EquirectangularSky& sky, std::uint32_t y, double theta, double part, std::uint32_t parts,
-             std::uint32_t resolution, CellSums& sums) {
+             const SkyCells& cells, CellSums& sums) {
   const std::uint32_t count = sky.width * parts;
   for (std::uint32_t k = 0; k < count; ++k) {
     // The centre column is -Z, +X is to the right of it.
     const double phi = ((k + 0.5) / count - 0.5) * 2.0 * kPi;
     const glm::dvec3 direction(std::sin(theta) * std::sin(phi), std::cos(theta),
                                -std::sin(theta) * std::cos(phi));
-    const std::uint32_t cell = sky_cell(direction, resolution);
+    const std::uint32_t cell = cells.of(direction);
     sums.flux[cell] += part * Rgb(sky.radiance[std::size_t{y} * sky.width + k / parts]);
     sums.solid_angle[cell] += part;
   }
@@ -69,11 +63,12 @@ CellSums integrate(const EquirectangularSky& sky, std::uint32_t resolution) {
   if (sky.width == 0 || sky.height == 0) return sums;
   const std::uint32_t parts = parts_per_pixel(sky, resolution);
   const std::uint32_t rows = sky.height * parts;
+  const SkyCells cell_index(resolution);
   for (std::uint32_t row = 0; row < rows; ++row) {
     const double top = kPi * row / rows;
     const double bottom = kPi * (row + 1) / rows;
     const double part = (std::cos(top) - std::cos(bottom)) * 2.0 * kPi / (sky.width * parts);
-    add_row(sky, row / parts, (top + bottom) / 2.0, part, parts, resolution, sums);
+    add_row(sky, row / parts, (top + bottom) / 2.0, part, parts, cell_index, sums);
   }
   return sums;
 }
@@ -101,13 +96,14 @@ CellSums integrate(const CubeSky& sky, std::uint32_t resolution) {
   CellSums sums{std::vector<Rgb>(cells, Rgb(0.0)), std::vector<double>(cells, 0.0)};
   const std::uint32_t parts = std::max(1u, (16 * resolution + sky.size - 1) / sky.size);
   const std::uint32_t edge = sky.size * parts;
+  const SkyCells cell_index(resolution);
   for (std::uint32_t face = 0; face < 6; ++face) {
     for (std::uint32_t k = 0; k < edge * edge; ++k) {
       const std::uint32_t row = k / edge, column = k % edge;
       const glm::dvec3 direction =
           cube_direction(face, 2.0 * (column + 0.5) / edge - 1.0, 2.0 * (row + 0.5) / edge - 1.0);
       const double part = std::pow(glm::dot(direction, direction), -1.5);
-      const std::uint32_t cell = sky_cell(direction, resolution);
+      const std::uint32_t cell = cell_index.of(direction);
       const std::size_t pixel = (std::size_t{face} * sky.size + row / parts) * sky.size + column / parts;
       sums.flux[cell] += part * Rgb(sky.radiance[pixel]);
       sums.solid_angle[cell] += part;
@@ -129,7 +125,17 @@ std::vector<Rgb> cell_means(const CellSums& sums, const std::vector<std::uint32_
 
 }  // namespace
 
-std::uint32_t sky_cell(const glm::dvec3& direction, std::uint32_t resolution) {
+SkyCells::SkyCells(std::uint32_t resolution) : resolution_(resolution) {
+  for (std::uint32_t i = 1; i < resolution; ++i) edges_.push_back(std::tan(edge_angle(i, resolution)));
+}
+
+std::uint32_t SkyCells::index_of(double tangent) const {
+  std::uint32_t index = 0;
+  for (const double edge : edges_) index += tangent >= edge ? 1u : 0u;
+  return index;
+}
+
+std::uint32_t SkyCells::of(const glm::dvec3& direction) const {
   const glm::dvec3 size = glm::abs(direction);
   int axis = size.x >= size.y ? 0 : 1;
   if (size.z > size[axis]) axis = 2;
@@ -138,7 +144,7 @@ std::uint32_t sky_cell(const glm::dvec3& direction, std::uint32_t resolution) {
   const double u = axis == 0 ? on_face.z : on_face.x;
   const double v = axis == 1 ? on_face.z : on_face.y;
   const std::uint32_t face = static_cast<std::uint32_t>(2 * axis) + (direction[axis] < 0.0 ? 1u : 0u);
-  return (face * resolution + index_of(v, resolution)) * resolution + index_of(u, resolution);
+  return (face * resolution_ + index_of(v)) * resolution_ + index_of(u);
 }
 
 glm::dvec3 sky_cell_direction(std::uint32_t cell, std::uint32_t resolution) {

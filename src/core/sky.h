@@ -17,8 +17,21 @@
 
 namespace relume {
 
-/// Index of the cell that a (not necessarily unit) direction falls into; `resolution` is n.
-std::uint32_t sky_cell(const glm::dvec3& direction, std::uint32_t resolution);
+/// Finds the cells of directions. Made once for many of them: edges are compared with, for rays have no time
+/// for arc tangents.
+class SkyCells {
+ public:
+  /// `resolution` is n >= 1.
+  explicit SkyCells(std::uint32_t resolution);
+  /// Index of the cell that a direction falls into; it need not be unit, but not 0.
+  std::uint32_t of(const glm::dvec3& direction) const;
+
+ private:
+  std::uint32_t index_of(double tangent) const;
+
+  std::uint32_t resolution_;
+  std::vector<double> edges_;  ///< tangents where one cell ends and the next begins
+};
 
 /// Unit direction through the centre of a cell.
 glm::dvec3 sky_cell_direction(std::uint32_t cell, std::uint32_t resolution);

@@ -34,8 +34,9 @@ TEST(Sky, SolidAnglesAreTheShareOfRandomDirections) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
   std::vector<double> share(6 * kResolution * kResolution, 0.0);
+  const SkyCells cells(kResolution);
   for (int k = 0; k < kCount; ++k) {
-    share[sky_cell({normal(random), normal(random), normal(random)}, kResolution)] += 1.0 / kCount;
+    share[cells.of({normal(random), normal(random), normal(random)})] += 1.0 / kCount;
   }
   for (std::uint32_t cell = 0; cell < share.size(); ++cell) {
     EXPECT_NEAR(share[cell], sky_cell_solid_angle(cell, kResolution) / (4.0 * kPi), 1e-3) << cell;
@@ -59,31 +60,31 @@ TEST(Sky, DirectionOfACellLeadsBackToIt) {
     for (const std::uint32_t cell : all_cells(resolution)) {
       const glm::dvec3 direction = sky_cell_direction(cell, resolution);
       EXPECT_NEAR(glm::length(direction), 1.0, 1e-14);
-      EXPECT_EQ(sky_cell(direction, resolution), cell);
-      EXPECT_EQ(sky_cell(direction * 1e-3, resolution), cell) << "directions need not be unit";
+      EXPECT_EQ(SkyCells(resolution).of(direction), cell);
+      EXPECT_EQ(SkyCells(resolution).of(direction * 1e-3), cell) << "directions need not be unit";
     }
   }
 }
 
 TEST(Sky, FacesStandAsDocumented) {
-  EXPECT_EQ(sky_cell({1, 0.1, 0.1}, 1), 0u);
-  EXPECT_EQ(sky_cell({-1, 0.1, 0.1}, 1), 1u);
-  EXPECT_EQ(sky_cell({0.1, 1, 0.1}, 1), 2u);
-  EXPECT_EQ(sky_cell({0.1, -1, 0.1}, 1), 3u);
-  EXPECT_EQ(sky_cell({0.1, 0.1, 1}, 1), 4u);
-  EXPECT_EQ(sky_cell({0.1, 0.1, -1}, 1), 5u);
+  EXPECT_EQ(SkyCells(1).of({1, 0.1, 0.1}), 0u);
+  EXPECT_EQ(SkyCells(1).of({-1, 0.1, 0.1}), 1u);
+  EXPECT_EQ(SkyCells(1).of({0.1, 1, 0.1}), 2u);
+  EXPECT_EQ(SkyCells(1).of({0.1, -1, 0.1}), 3u);
+  EXPECT_EQ(SkyCells(1).of({0.1, 0.1, 1}), 4u);
+  EXPECT_EQ(SkyCells(1).of({0.1, 0.1, -1}), 5u);
   // Of face +X, columns run along z and rows along y: (row 0, column 1) of 2 x 2 has y < 0 and z > 0.
-  EXPECT_EQ(sky_cell({1, -0.5, 0.5}, 2), 1u);
+  EXPECT_EQ(SkyCells(2).of({1, -0.5, 0.5}), 1u);
   // Of face -Y, columns run along x and rows along z.
-  EXPECT_EQ(sky_cell({0.5, -1, -0.5}, 2), 3u * 4 + 1);
+  EXPECT_EQ(SkyCells(2).of({0.5, -1, -0.5}), 3u * 4 + 1);
   // Of face +Z, columns run along x and rows along y.
-  EXPECT_EQ(sky_cell({-0.5, 0.5, 1}, 2), 4u * 4 + 2);
+  EXPECT_EQ(SkyCells(2).of({-0.5, 0.5, 1}), 4u * 4 + 2);
 }
 
 TEST(Sky, CornersAndEdgesFallIntoSomeCell) {
   for (const double x : {-1.0, 0.0, 1.0}) {
     for (const double y : {-1.0, 0.0, 1.0}) {
-      for (const double z : {-1.0, 0.0, 1.0}) EXPECT_LT(sky_cell({x, y, z}, 5), 150u);
+      for (const double z : {-1.0, 0.0, 1.0}) EXPECT_LT(SkyCells(5).of({x, y, z}), 150u);
     }
   }
 }
