@@ -95,14 +95,15 @@ class AreaSampler {
       }
       return;
     }
-    for (std::size_t f = 0; f < kFields; ++f) {
-      Lanes values;
-      values.fill(few_[f][0]);
-      for (std::uint32_t p = 1; p < patches_.size(); ++p) {
-        for (std::size_t lane = 0; lane < kLanes; ++lane)
-          values[lane] = patch[lane] == p ? few_[f][p] : values[lane];
+    for (Lanes& values : lanes) values.fill(0.0f);
+    for (std::size_t p = 0; p < patches_.size(); ++p) {
+      Lanes own;  // 1 or 0: sums of products go together in lanes where choices do not
+      for (std::size_t lane = 0; lane < kLanes; ++lane)
+        own[lane] = float(std::int32_t(patch[lane])) == float(p) ? 1.0f : 0.0f;
+      for (std::size_t f = 0; f < kFields; ++f) {
+        const float value = few_[f][p];
+        for (std::size_t lane = 0; lane < kLanes; ++lane) lanes[f][lane] += own[lane] * value;
       }
-      lanes[f] = values;
     }
   }
   [[gnu::always_inline]] static void place(const PatchLanes& patch, const Lanes& target, const Lanes& v,

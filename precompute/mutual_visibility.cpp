@@ -16,16 +16,17 @@ glm::vec3 lifted(const Geometry& geometry, const RayCaster& caster, const Surfac
   return lift > geometry.offset && !caster.occluded(low, high) ? high : low;
 }
 
-}  // namespace
-
-float room_above(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& at, float most) {
-  return caster.free_way(at.position + at.normal * geometry.offset, at.normal, most);
-}
-
+/// How far both of two points are lifted, m.
 float lift_between(const Geometry& geometry, const SurfacePoint& a, const SurfacePoint& b) {
   const float half_angle_sine = std::sqrt(std::max(0.0f, 0.5f - 0.5f * glm::dot(a.normal, b.normal)));
   return std::max(geometry.offset,
                   glm::length(b.position - a.position) * (kFlatLift + 0.5f * half_angle_sine));
+}
+
+}  // namespace
+
+float room_above(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& at, float most) {
+  return caster.free_way(at.position + at.normal * geometry.offset, at.normal, most);
 }
 
 bool mutually_visible(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& a,

@@ -24,8 +24,9 @@ bool mutually_visible(const Geometry& geometry, const RayCaster& caster, const S
 /// How far one can go straight up from `offset` above a surface, m, at most `most`.
 float room_above(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& at, float most);
 
-/// The most that either of two points is lifted, m.
-float lift_between(const Geometry& geometry, const SurfacePoint& a, const SurfacePoint& b);
+/// Points whose normals are no more than 60 degrees apart are lifted by at most this share of their distance,
+/// or by Geometry::offset.
+inline constexpr float kMostLift = 0.3f;
 
 /// mutually_visible() of points above which so much is free: for whoever asks about a point again and again.
 bool mutually_visible(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& a, float room_a,

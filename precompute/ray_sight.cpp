@@ -9,6 +9,18 @@
 #include "precompute/ray_recall.h"
 
 namespace relume {
+namespace {
+
+/// All lanes at once; the same numbers from either version.
+[[gnu::target_clones("avx2", "default")]] void sky_places(const SkyCells& cells, const RayPacket& rays,
+                                                          std::array<std::uint32_t, kPacketSize>& places) {
+  std::array<std::uint32_t, kPacketSize> of_rays;
+  cells.of(rays.direction_x, rays.direction_y, rays.direction_z, of_rays);
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) places[lane] = kSky + of_rays[lane];
+}
+
+}  // namespace
+
 RaySight::RaySight(const Geometry& geometry, const RayCaster& caster, const SenderLookup& lookup,
                    const Emitters& emitters, RayMemory* memory)
     : geometry_(geometry),
@@ -67,14 +79,7 @@ void RaySight::trace(std::uint32_t lanes, RayPacket& rays, PacketSight& sight) {
 }
 
 std::uint32_t RaySight::look_up(std::uint32_t lanes, const RayPacket& rays, PacketSight& sight) const {
-  std::array<std::uint32_t, kPacketSize> places;
-  const std::uint32_t known = lanes & lookup_.seen(rays, places);
-  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane)
-    sight.place[lane] = (known >> lane & 1u) != 0 ? places[lane] : sight.place[lane];
-  for (std::uint32_t rest = lanes & ~known; rest != 0; rest &= rest - 1) {
-    const auto lane = std::size_t(std::countr_zero(rest));
-    sight.place[lane] = place_of(lane, rays);
-  }
+  look_for_places(lanes, rays, sight);
   std::uint32_t doubtful = 0, emitters = 0;
   for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
     const std::uint32_t place = sight.place[lane], bit = lanes & 1u << lane;
@@ -93,11 +98,25 @@ std::uint32_t RaySight::look_up(std::uint32_t lanes, const RayPacket& rays, Pack
   return doubtful;
 }
 
-std::uint32_t RaySight::place_of(std::size_t lane, const RayPacket& rays) const {
-  const glm::vec3 direction(rays.direction_x[lane], rays.direction_y[lane], rays.direction_z[lane]);
-  const std::uint32_t triangle = rays.triangle[lane];
-  return triangle == kNoTriangle ? kSky + sky_cells_.of(glm::dvec3(direction))
-                                 : lookup_.seen(triangle, rays.u[lane], rays.v[lane], direction);
+void RaySight::look_for_places(std::uint32_t lanes, const RayPacket& rays, PacketSight& sight) const {
+  std::array<std::uint32_t, kPacketSize> places;
+  const std::uint32_t known = lanes & lookup_.seen(rays, places);
+  std::uint32_t missed = 0;
+  for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
+    missed |= rays.triangle[lane] == kNoTriangle ? 1u << lane : 0u;
+    sight.place[lane] = (known >> lane & 1u) != 0 ? places[lane] : sight.place[lane];
+  }
+  missed &= lanes;
+  if (missed != 0) {
+    sky_places(sky_cells_, rays, places);
+    for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane)
+      sight.place[lane] = (missed >> lane & 1u) != 0 ? places[lane] : sight.place[lane];
+  }
+  for (std::uint32_t rest = lanes & ~known & ~missed; rest != 0; rest &= rest - 1) {
+    const auto lane = std::size_t(std::countr_zero(rest));
+    sight.place[lane] =
+        lookup_.seen(rays.triangle[lane], rays.u[lane], rays.v[lane], direction_of(rays, lane));
+  }
 }
 
 void RaySight::add_emitter(std::size_t lane, const RayPacket& rays, PacketSight& sight) const {

@@ -131,7 +131,7 @@ class RaySight {
   /// What the lanes have met. Returns those near whose hits surfaces cross or touch, so that others may be as
   /// far away.
   std::uint32_t look_up(std::uint32_t lanes, const RayPacket& rays, PacketSight& sight) const;
-  std::uint32_t place_of(std::size_t lane, const RayPacket& rays) const;
+  void look_for_places(std::uint32_t lanes, const RayPacket& rays, PacketSight& sight) const;
   void add_emitter(std::size_t lane, const RayPacket& rays, PacketSight& sight) const;
   void book(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays, const PacketSight& sight);
   std::uint32_t recall_samples(std::uint32_t first, std::uint32_t asked, std::uint32_t useful,

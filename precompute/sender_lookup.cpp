@@ -183,7 +183,7 @@ struct SenderLookup::Candidates {
   static constexpr std::size_t kMost = 48;
   std::array<One, kMost> list;
   std::size_t count = 0;
-  float highest = 0.0f;  ///< lift between the point and any of them, m
+  float furthest = 0.0f;  ///< distance, m
 
   std::span<One> all() { return std::span(list).first(count); }
 };
@@ -196,8 +196,9 @@ void SenderLookup::add_candidates(const SurfacePoint& point, std::uint32_t mater
     const bool agrees = element.material == material && glm::dot(element.normal, point.normal) > 0.5f;
     if (!agrees || candidates.count == Candidates::kMost) continue;
     const SurfacePoint middle{element.position, element.normal};
-    candidates.list[candidates.count++] = {glm::length(middle.position - point.position), e, middle};
-    candidates.highest = std::max(candidates.highest, lift_between(geometry_, point, middle));
+    const float distance = glm::length(middle.position - point.position);
+    candidates.list[candidates.count++] = {distance, e, middle};
+    candidates.furthest = std::max(candidates.furthest, distance);
   }
 }
 
@@ -219,7 +220,7 @@ std::uint32_t SenderLookup::search(const SurfaceHit& hit, std::uint32_t system, 
 std::uint32_t SenderLookup::nearest_seen(const SurfacePoint& point, Candidates& candidates,
                                          std::uint32_t first_element) const {
   if (candidates.count == 0) return kNone;
-  const float room = room_above(geometry_, caster_, point, candidates.highest);
+  const float room = room_above(geometry_, caster_, point, kMostLift * candidates.furthest);
   const auto before = [](const Candidates::One& a, const Candidates::One& b) {
     return a.distance < b.distance || (a.distance == b.distance && a.element < b.element);
   };

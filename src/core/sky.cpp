@@ -125,26 +125,8 @@ std::vector<Rgb> cell_means(const CellSums& sums, const std::vector<std::uint32_
 
 }  // namespace
 
-SkyCells::SkyCells(std::uint32_t resolution) : resolution_(resolution) {
-  for (std::uint32_t i = 1; i < resolution; ++i) edges_.push_back(std::tan(edge_angle(i, resolution)));
-}
-
-std::uint32_t SkyCells::index_of(double tangent) const {
-  std::uint32_t index = 0;
-  for (const double edge : edges_) index += tangent >= edge ? 1u : 0u;
-  return index;
-}
-
-std::uint32_t SkyCells::of(const glm::dvec3& direction) const {
-  const glm::dvec3 size = glm::abs(direction);
-  int axis = size.x >= size.y ? 0 : 1;
-  if (size.z > size[axis]) axis = 2;
-  const glm::dvec3 on_face = direction / size[axis];
-  // u and v of each face as the header lists them.
-  const double u = axis == 0 ? on_face.z : on_face.x;
-  const double v = axis == 1 ? on_face.z : on_face.y;
-  const std::uint32_t face = static_cast<std::uint32_t>(2 * axis) + (direction[axis] < 0.0 ? 1u : 0u);
-  return (face * resolution_ + index_of(v)) * resolution_ + index_of(u);
+SkyCells::SkyCells(std::uint32_t resolution) {
+  for (std::uint32_t i = 1; i < resolution; ++i) edges_.push_back(float(std::tan(edge_angle(i, resolution))));
 }
 
 glm::dvec3 sky_cell_direction(std::uint32_t cell, std::uint32_t resolution) {

@@ -7,6 +7,9 @@
 // Cell index = (face * n + row) * n + column, row along v, column along u.
 #pragma once
 
+#include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <variant>
@@ -17,20 +20,44 @@
 
 namespace relume {
 
-/// Finds the cells of directions. Made once for many of them: edges are compared with, for rays have no time
-/// for arc tangents.
+/// Finds the cells of directions, in single precision. Made once for many of them: edges are compared with,
+/// for rays have no time for arc tangents.
 class SkyCells {
  public:
   /// `resolution` is n >= 1.
   explicit SkyCells(std::uint32_t resolution);
   /// Index of the cell that a direction falls into; it need not be unit, but not 0.
-  std::uint32_t of(const glm::dvec3& direction) const;
+  std::uint32_t of(const glm::dvec3& direction) const {
+    std::array<std::uint32_t, 1> cell;
+    of<1>({float(direction.x)}, {float(direction.y)}, {float(direction.z)}, cell);
+    return cell[0];
+  }
+  /// The same of many; without branches, so that lanes go together.
+  template <std::size_t kLanes>
+  [[gnu::always_inline]] void of(const std::array<float, kLanes>& x, const std::array<float, kLanes>& y,
+                                 const std::array<float, kLanes>& z,
+                                 std::array<std::uint32_t, kLanes>& cells) const {
+    std::array<float, kLanes> u, v, face, row{}, column{};  // numbers, for vector units keep to one type
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const float a = std::abs(x[lane]), b = std::abs(y[lane]), c = std::abs(z[lane]);
+      const bool on_y = b > a, on_z = c > (on_y ? b : a);
+      const float along = on_z ? z[lane] : on_y ? y[lane] : x[lane];
+      const float scale = 1.0f / std::abs(along);
+      u[lane] = scale * (on_z || on_y ? x[lane] : z[lane]);
+      v[lane] = scale * (on_y && !on_z ? z[lane] : y[lane]);
+      face[lane] = (on_z ? 4.0f : on_y ? 2.0f : 0.0f) + (along < 0.0f ? 1.0f : 0.0f);
+    }
+    for (const float edge : edges_) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) column[lane] += u[lane] >= edge ? 1.0f : 0.0f;
+      for (std::size_t lane = 0; lane < kLanes; ++lane) row[lane] += v[lane] >= edge ? 1.0f : 0.0f;
+    }
+    const float n = float(edges_.size() + 1);
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+      cells[lane] = std::uint32_t(std::int32_t((face[lane] * n + row[lane]) * n + column[lane]));
+  }
 
  private:
-  std::uint32_t index_of(double tangent) const;
-
-  std::uint32_t resolution_;
-  std::vector<double> edges_;  ///< tangents where one cell ends and the next begins
+  std::vector<float> edges_;  ///< tangents where one cell ends and the next begins
 };
 
 /// Unit direction through the centre of a cell.
