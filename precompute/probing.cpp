@@ -17,6 +17,7 @@
 #include "precompute/probing_means.h"
 #include "precompute/rows.h"
 #include "precompute/sampling.h"
+#include "precompute/weighted_sums.h"
 
 namespace relume {
 namespace {
@@ -267,12 +268,8 @@ void Prober::sky(std::size_t probing) {
 std::vector<ProbingValues> Prober::irradiance(const std::vector<FormFactorRow>& rows,
                                               const std::vector<ProbingValues>& senders) {
   std::vector<ProbingValues> sums(rows.size(), ProbingValues{});
-  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t r) {
-    for (std::size_t i = 0; i < rows[r].senders.size(); ++i) {
-      const ProbingValues& from = senders[rows[r].senders[i]];
-      for (std::size_t p = 0; p < kProbings; ++p) sums[r][p] += rows[r].values[i] * from[p];
-    }
-  });
+  tbb::parallel_for(std::size_t{0}, rows.size(),
+                    [&](std::size_t r) { add_weighted(rows[r].senders, rows[r].values, senders, sums[r]); });
   return sums;
 }
 

@@ -3,10 +3,14 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <bit>
+#include <numeric>
+#include <span>
 
 #include "core/mix.h"
 #include "core/rooms.h"
+#include "precompute/weighted_sums.h"
 
 namespace relume {
 namespace {
@@ -28,19 +32,33 @@ std::uint64_t key_of(const FormFactorRow& row, const glm::vec3& centroid) {
   return mix(key, 0x524f4f4dull);
 }
 
-void average_over_view(const std::vector<FormFactorRow>& rows, const std::vector<RoomFunctions>& values,
+/// The clusters that one sees.
+struct SeenClusters {
+  std::span<const std::uint32_t> senders;
+  std::span<const float> factors;
+  float weight = 0.0f;  ///< sum of factors
+};
+
+std::vector<SeenClusters> seen_clusters(const std::vector<FormFactorRow>& rows) {
+  std::vector<SeenClusters> seen;
+  for (const FormFactorRow& row : rows) {
+    // Senders ascend, those of the sky last.
+    const auto sky = std::lower_bound(row.senders.begin(), row.senders.end(), std::uint32_t(rows.size()));
+    const std::span senders(row.senders.begin(), sky);
+    const auto factors = std::span(row.values).first(senders.size());
+    seen.push_back({senders, factors, std::accumulate(factors.begin(), factors.end(), 0.0f)});
+  }
+  return seen;
+}
+
+void average_over_view(const std::vector<SeenClusters>& seen, const std::vector<RoomFunctions>& values,
                        std::vector<RoomFunctions>& means) {
-  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t c) {
-    RoomFunctions sum{};
-    float weight = 0.0f;
-    for (std::size_t i = 0; i < rows[c].senders.size() && rows[c].senders[i] < rows.size(); ++i) {
-      weight += rows[c].values[i];
-      for (std::size_t f = 0; f < kRoomFunctions; ++f)
-        sum[f] += rows[c].values[i] * values[rows[c].senders[i]][f];
-    }
+  tbb::parallel_for(std::size_t{0}, seen.size(), [&](std::size_t c) {
     means[c] = values[c];
-    if (weight <= 0.0f) return;
-    for (std::size_t f = 0; f < kRoomFunctions; ++f) means[c][f] = sum[f] / weight;
+    if (seen[c].weight <= 0.0f) return;
+    RoomFunctions sum{};
+    add_weighted(seen[c].senders, seen[c].factors, values, sum);
+    for (std::size_t f = 0; f < kRoomFunctions; ++f) means[c][f] = sum[f] / seen[c].weight;
   });
 }
 
@@ -51,7 +69,8 @@ std::vector<std::uint32_t> find_rooms(const std::vector<FormFactorRow>& rows,
                                       const std::vector<float>& areas) {
   RoomSearch search{areas, connected_sets(rows), {}};
   for (std::size_t c = 0; c < rows.size(); ++c) search.keys.push_back(key_of(rows[c], centroids[c]));
-  const auto average = [&rows](const auto& values, auto& means) { average_over_view(rows, values, means); };
+  const auto seen = seen_clusters(rows);
+  const auto average = [&seen](const auto& values, auto& means) { average_over_view(seen, values, means); };
   return find_rooms(search, average).of_cluster;
 }
 
