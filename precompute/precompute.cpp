@@ -92,6 +92,7 @@ Result<void> prepare(const Scene& scene, const PrecomputeOptions& options, const
       known.push_back(clearances(surfaces.geometry, caster, surfaces.charts, system.surface));
   }
   double share = plan.clearance_share, before = 0.0;
+  ElementRooms rooms;
   for (int attempt = 0;; ++attempt) {
     cluster_surfaces(scene, caster, report, share, known, surfaces);
     lookup.follow_clusters();
@@ -102,7 +103,7 @@ Result<void> prepare(const Scene& scene, const PrecomputeOptions& options, const
       return {};
     }
     auto surveyed = survey(prepared->rows, surfaces.charts, surfaces.systems, lookup, prepared->emitters,
-                           counts, observer);
+                           rooms, counts, observer);
     if (!surveyed) return tl::unexpected(surveyed.error());
     if (auto ok = check_budgets(scene, surfaces, surveyed->senders.tree, surveyed->rows, plan.node_cuts); !ok)
       return ok;

@@ -66,20 +66,15 @@ class Dice {
 /// Makes the lightings and follows their light.
 class Prober {
  public:
-  Prober(const ProbedScene& scene, const SurveyRows& rows, std::vector<std::uint32_t> rooms)
+  Prober(const ProbedScene& scene, const SurveyRows& rows, const ElementRooms& rooms,
+         std::vector<std::uint32_t> of_cluster)
       : scene_(scene),
         halves_(rows),
         rows_(mean_rows(rows, scene.senders.weights.size())),
-        clusters_(probed_clusters(scene.surfaces)) {
-    result_.rooms = std::move(rooms);
+        clusters_(probed_clusters(scene.surfaces)),
+        rooms_(probed_rooms(scene.surfaces, rooms, of_cluster)) {
+    result_.rooms = std::move(of_cluster);
     result_.senders.assign(scene.senders.weights.size(), ProbingValues{});
-    for (std::uint32_t c = 0; c < clusters_.size(); ++c) {
-      const std::uint32_t room = result_.rooms[c];
-      if (room >= rooms_.size()) rooms_.resize(room + 1);
-      rooms_[room].area_up_to.push_back((rooms_[room].clusters.empty() ? 0.0f : rooms_[room].area()) +
-                                        clusters_[c].area);
-      rooms_[room].clusters.push_back(c);
-    }
     std::vector<float> areas;
     for (const ProbedRoom& room : rooms_) areas.push_back(room.area());
     std::sort(areas.begin(), areas.end(), std::greater<>());
@@ -172,7 +167,7 @@ glm::vec3 Prober::free_place(const ProbedRoom& room, Dice& dice, int tries) cons
   glm::vec3 best(0.0f);
   float radius = -1.0f;
   for (int attempt = 0; attempt < tries; ++attempt) {
-    const SurfacePoint& under = clusters_[room.choose(dice.next())].at;
+    const SurfacePoint& under = room.choose(dice.next());
     const glm::vec3 start = under.position + scene_.geometry.offset * under.normal;
     RayPacket up{};
     up.far.fill(-1.0f);
@@ -213,7 +208,7 @@ void Prober::point_light(const ProbedRoom& room, Dice& dice, std::size_t probing
 /// At any surface of the room.
 void Prober::spot_light(const ProbedRoom& room, Dice& dice, std::size_t probing) {
   const glm::vec3 position = free_place(room, dice, kSpotTries);
-  const glm::vec3 way = clusters_[room.choose(dice.next())].at.position - position;
+  const glm::vec3 way = room.choose(dice.next()).position - position;
   const float angle = kNarrowCone + (kWideCone - kNarrowCone) * dice.next();
   if (glm::length(way) <= 0.0f) return;
   const glm::vec3 axis = glm::normalize(way);
@@ -226,7 +221,7 @@ void Prober::spot_light(const ProbedRoom& room, Dice& dice, std::size_t probing)
 }
 
 void Prober::glowing_patch(const ProbedRoom& room, Dice& dice, std::size_t probing) {
-  const SurfacePoint& middle = clusters_[room.choose(dice.next())].at;
+  const SurfacePoint& middle = room.choose(dice.next());
   const float radius = 0.1f * std::sqrt(room.area());
   std::vector<std::uint32_t> patch;
   float area = 0.0f;
@@ -388,8 +383,9 @@ double Prober::worst_square(std::size_t room, const std::vector<ProbingValues>& 
 
 }  // namespace
 
-Probing probe(const ProbedScene& scene, const SurveyRows& rows, std::vector<std::uint32_t> rooms) {
-  return Prober(scene, rows, std::move(rooms)).run();
+Probing probe(const ProbedScene& scene, const SurveyRows& rows, const ElementRooms& rooms,
+              std::vector<std::uint32_t> of_cluster) {
+  return Prober(scene, rows, rooms, std::move(of_cluster)).run();
 }
 
 }  // namespace relume

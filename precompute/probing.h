@@ -16,6 +16,7 @@
 
 namespace relume {
 
+struct ElementRooms;
 struct SurveyRows;
 
 /// So many probing emissions at once, one channel each.
@@ -58,10 +59,11 @@ struct ProbedScene {
   std::uint64_t seed = 0;
 };
 
-/// Each room (`rooms` per cluster) is lit by turns by point and spot lights in its free space, by its
-/// possible emitters, by patches of its surface, by the sky and by its neighbours only; materials take
+/// Each room (`of_cluster`: that of each cluster) is lit by turns by point and spot lights in its free space,
+/// by its possible emitters, by patches of its surface, by the sky and by its neighbours only; materials take
 /// albedos by chance. `rows`: per cluster, of few rays; errors are products of what both halves find, so that
 /// noise cancels. In the calling task arena; the same for any number of threads.
-Probing probe(const ProbedScene& scene, const SurveyRows& rows, std::vector<std::uint32_t> rooms);
+Probing probe(const ProbedScene& scene, const SurveyRows& rows, const ElementRooms& rooms,
+              std::vector<std::uint32_t> of_cluster);
 
 }  // namespace relume

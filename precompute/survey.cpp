@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "precompute/survey.h"
 
+#include <algorithm>
+
 #include "precompute/ray_recall.h"
 #include "precompute/rooms.h"
 
@@ -22,6 +24,18 @@ std::vector<std::uint32_t> rooms_of(const std::vector<ClusteredSurface>& surface
   return find_rooms(rows, centroids, areas);
 }
 
+ElementRooms rooms_of_elements(const std::vector<ClusteredSurface>& surfaces,
+                               const std::vector<std::uint32_t>& of_cluster) {
+  ElementRooms rooms;
+  for (const ClusteredSurface& surface : surfaces) {
+    auto& own = rooms.of_element.emplace_back();
+    for (const std::uint32_t cluster : surface.cluster)
+      own.push_back(of_cluster[surface.first_cluster + cluster]);
+  }
+  for (const std::uint32_t room : of_cluster) rooms.count = std::max(rooms.count, room + 1);
+  return rooms;
+}
+
 /// In the order of new numbers.
 template <class T>
 std::vector<T> reordered(std::vector<T> values, const std::vector<std::uint32_t>& numbers) {
@@ -34,14 +48,15 @@ std::vector<T> reordered(std::vector<T> values, const std::vector<std::uint32_t>
 
 Result<Survey> survey(RowScene& scene, const std::vector<Chart>& charts,
                       std::vector<ClusteredSurface>& surfaces, SenderLookup& lookup, Emitters& emitters,
-                      RowCounts& counts, const ProgressObserver& observer) {
+                      ElementRooms& rooms, RowCounts& counts, const ProgressObserver& observer) {
   auto halves = trace_survey(scene, charts, surfaces, counts, observer);
   if (!halves) return tl::unexpected(halves.error());
   Survey result;
   result.rows = mean_rows(*halves, sender_count(scene));
-  std::vector<std::uint32_t> rooms = rooms_of(surfaces, result.rows);
+  if (rooms.count == 0) rooms = rooms_of_elements(surfaces, rooms_of(surfaces, result.rows));
+  std::vector<std::uint32_t> of_cluster = rooms_of_clusters(surfaces, rooms);
   std::vector<std::uint32_t> numbers;
-  result.senders = number_senders(emitters, rooms, scene.sky_resolution, surfaces, numbers);
+  result.senders = number_senders(emitters, of_cluster, scene.sky_resolution, surfaces, numbers);
   for (auto* rows : {&halves->first, &halves->second, &result.rows}) {
     renumber(numbers, *rows);
     *rows = reordered(std::move(*rows), numbers);
@@ -52,7 +67,7 @@ Result<Survey> survey(RowScene& scene, const std::vector<Chart>& charts,
   if (scene.memory != nullptr)
     follow_senders(lookup, emitters, scene.sky_senders, std::uint32_t(sender_count(scene)), *scene.memory);
   const ProbedScene probed{scene.geometry, scene.caster, surfaces, emitters, result.senders, scene.seed};
-  result.probing = probe(probed, *halves, reordered(std::move(rooms), numbers));
+  result.probing = probe(probed, *halves, rooms, reordered(std::move(of_cluster), numbers));
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "precompute/number_senders.h"
+#include "precompute/probed_rooms.h"
 #include "precompute/probing.h"
 #include "precompute/rows.h"
 
@@ -18,10 +19,11 @@ struct Survey {
   std::vector<FormFactorRow> rows;  ///< per sender that is a cluster
 };
 
-/// Traces the survey and gives clusters the numbers of its cluster tree: in `surfaces`, `lookup`, `emitters`,
+/// Traces the survey, finds the rooms, unless those of an earlier survey of the same elements are given, and
+/// gives clusters the numbers of its cluster tree: in `surfaces`, `lookup`, `emitters`,
 /// which are the ones that `scene` borrows, and in the numbers of its sky's cells. In the calling task arena.
 Result<Survey> survey(RowScene& scene, const std::vector<Chart>& charts,
                       std::vector<ClusteredSurface>& surfaces, SenderLookup& lookup, Emitters& emitters,
-                      RowCounts& counts, const ProgressObserver& observer);
+                      ElementRooms& rooms, RowCounts& counts, const ProgressObserver& observer);
 
 }  // namespace relume

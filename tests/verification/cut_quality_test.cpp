@@ -57,7 +57,8 @@ class CutQuality : public testing::Test {
     row_scene_.sky_senders.resize(kSkyCells);
     std::iota(row_scene_.sky_senders.begin(), row_scene_.sky_senders.end(), surfaces_.cluster_count());
     RowCounts counts;
-    survey_ = *survey(row_scene_, surfaces_.charts, surfaces_.systems, lookup_, emitters_, counts, {});
+    ElementRooms rooms;
+    survey_ = *survey(row_scene_, surfaces_.charts, surfaces_.systems, lookup_, emitters_, rooms, counts, {});
   }
 
   /// Elements of every so many clusters, eight of each, side by side: tiles, one after the other.
