@@ -14,6 +14,9 @@ namespace {
 /// A target that is missed by more is told.
 constexpr double kToldFrom = 1.2;
 
+/// As when cluster sizes are chosen (probing.cpp): no place counts as more wrong than this, square.
+constexpr double kWhollyWrong = 1.0;
+
 double root_mean_square(const std::vector<CutTile>& tiles) {
   double squares = 0.0, count = 0.0;
   for (const CutTile& tile : tiles) {
@@ -35,7 +38,7 @@ void estimate_errors(const TracedRows& rows, const Surfaces& surfaces, const Pro
     for (std::size_t e = 0; e < rows.systems[s].element_rays.size(); ++e) {
       const double noise = rows.systems[s].element_rays[e].noise,
                    own = surfaces.systems[s].surface.elements[e].area;
-      squares += own * noise * noise;
+      squares += own * std::min(noise * noise, kWhollyWrong);
       area += own;
     }
   }

@@ -49,6 +49,10 @@ constexpr float kDimmest = 1e-2f, kDimmestNook = 0.3f;
 constexpr std::size_t kWorst = kProbings / 4;
 constexpr double kOfWorst = 0.65;
 
+/// No place counts as more wrong than this, square and of the mean of its room: where a lamp happens to glow
+/// into a gap, few square centimetres would stand for the whole scene.
+constexpr double kWhollyWrong = 1.0;
+
 /// Numbers by chance, the same everywhere.
 class Dice {
  public:
@@ -61,6 +65,21 @@ class Dice {
 
  private:
   std::uint64_t state_;
+};
+
+/// Of the lightings of a room: numbers in [0, 1) that fill three dimensions evenly (M. Roberts, The
+/// Unreasonable Effectiveness of Quasirandom Sequences, 2018), so that its few beams end in different places.
+struct Choices {
+  float kind, place, target;
+
+  Choices(std::uint64_t seed, std::uint32_t room, std::size_t probing) {
+    Dice start(seed, 0x6b69 + room, 0);
+    const auto next = [&](float step) {
+      const float at = start.next() + step * float(probing);
+      return at - std::floor(at);
+    };
+    kind = next(0.8191725f), place = next(0.6710436f), target = next(0.5497005f);
+  }
 };
 
 /// Makes the lightings and follows their light.
@@ -95,13 +114,13 @@ class Prober {
  private:
   void light();
   void light_room(std::uint32_t room, std::size_t probing);
-  glm::vec3 free_place(const ProbedRoom& room, Dice& dice, int tries) const;
-  void point_light(const ProbedRoom& room, Dice& dice, std::size_t probing);
-  void spot_light(const ProbedRoom& room, Dice& dice, std::size_t probing);
+  glm::vec3 free_place(const ProbedRoom& room, const Choices& choices, Dice& dice, int tries) const;
+  void point_light(const ProbedRoom& room, const Choices& choices, Dice& dice, std::size_t probing);
+  void spot_light(const ProbedRoom& room, const Choices& choices, Dice& dice, std::size_t probing);
   /// `intensity(direction)`: to a surface.
   template <class Intensity>
   void shine(const ProbedRoom& room, const glm::vec3& position, std::size_t probing, Intensity&& intensity);
-  void glowing_patch(const ProbedRoom& room, Dice& dice, std::size_t probing);
+  void glowing_patch(const ProbedRoom& room, const Choices& choices, std::size_t probing);
   /// Those of one material, by turns; false when there are none.
   bool emitters_of_room(std::uint32_t room, float strength, std::size_t probing);
   void sky(std::size_t probing);
@@ -146,7 +165,8 @@ void Prober::light() {
 void Prober::light_room(std::uint32_t index, std::size_t probing) {
   const ProbedRoom& room = rooms_[index];
   Dice dice(scene_.seed, 0x726f + index, probing);
-  const float kind = dice.next();
+  const Choices choices(scene_.seed, index, probing);
+  const float kind = choices.kind;
   const float strength = 0.2f + 0.8f * dice.next();
   if (room.area() < least_lit_area_) {
     for (const auto c : room.clusters) emitted_[c][probing] = strength * dice.next();
@@ -154,20 +174,20 @@ void Prober::light_room(std::uint32_t index, std::size_t probing) {
              (by_emitters(probing) && emitters_of_room(index, strength, probing))) {
     return;
   } else if (kind > 0.9f) {
-    glowing_patch(room, dice, probing);
+    glowing_patch(room, choices, probing);
   } else if (kind > 0.65f) {
-    spot_light(room, dice, probing);
+    spot_light(room, choices, dice, probing);
   } else {
-    point_light(room, dice, probing);
+    point_light(room, choices, dice, probing);
   }
 }
 
 /// Where a lamp may hang: of some places the one that is farthest from all surfaces.
-glm::vec3 Prober::free_place(const ProbedRoom& room, Dice& dice, int tries) const {
+glm::vec3 Prober::free_place(const ProbedRoom& room, const Choices& choices, Dice& dice, int tries) const {
   glm::vec3 best(0.0f);
   float radius = -1.0f;
   for (int attempt = 0; attempt < tries; ++attempt) {
-    const SurfacePoint& under = room.choose(dice.next());
+    const SurfacePoint& under = room.choose(attempt == 0 ? choices.place : dice.next());
     const glm::vec3 start = under.position + scene_.geometry.offset * under.normal;
     RayPacket up{};
     up.far.fill(-1.0f);
@@ -199,16 +219,17 @@ void Prober::shine(const ProbedRoom& room, const glm::vec3& position, std::size_
   });
 }
 
-void Prober::point_light(const ProbedRoom& room, Dice& dice, std::size_t probing) {
+void Prober::point_light(const ProbedRoom& room, const Choices& choices, Dice& dice, std::size_t probing) {
   // As much flux as would give the room one lux.
   const float candela = room.area() / float(4.0 * kPi);
-  shine(room, free_place(room, dice, kLampTries), probing, [candela](const glm::vec3&) { return candela; });
+  shine(room, free_place(room, choices, dice, kLampTries), probing,
+        [candela](const glm::vec3&) { return candela; });
 }
 
 /// At any surface of the room.
-void Prober::spot_light(const ProbedRoom& room, Dice& dice, std::size_t probing) {
-  const glm::vec3 position = free_place(room, dice, kSpotTries);
-  const glm::vec3 way = room.choose(dice.next()).position - position;
+void Prober::spot_light(const ProbedRoom& room, const Choices& choices, Dice& dice, std::size_t probing) {
+  const glm::vec3 position = free_place(room, choices, dice, kSpotTries);
+  const glm::vec3 way = room.choose(choices.target).position - position;
   const float angle = kNarrowCone + (kWideCone - kNarrowCone) * dice.next();
   if (glm::length(way) <= 0.0f) return;
   const glm::vec3 axis = glm::normalize(way);
@@ -220,8 +241,8 @@ void Prober::spot_light(const ProbedRoom& room, Dice& dice, std::size_t probing)
   });
 }
 
-void Prober::glowing_patch(const ProbedRoom& room, Dice& dice, std::size_t probing) {
-  const SurfacePoint& middle = room.choose(dice.next());
+void Prober::glowing_patch(const ProbedRoom& room, const Choices& choices, std::size_t probing) {
+  const SurfacePoint& middle = room.choose(choices.target);
   const float radius = 0.1f * std::sqrt(room.area());
   std::vector<std::uint32_t> patch;
   float area = 0.0f;
@@ -372,11 +393,12 @@ double Prober::worst_square(std::size_t room, const std::vector<ProbingValues>& 
                             const std::vector<ProbingValues>& second) const {
   std::array<double, kProbings> squares{};
   for (const auto c : rooms_[room].clusters) {
-    for (std::size_t p = 0; p < kProbings; ++p)
-      squares[p] += double(clusters_[c].area) * double(first[c][p]) * double(second[c][p]);
+    for (std::size_t p = 0; p < kProbings; ++p) {
+      const double weight = double(result_.weights[room][p]);
+      const double square = weight * weight * double(first[c][p]) * double(second[c][p]);
+      squares[p] += double(clusters_[c].area) * std::min(square, kWhollyWrong);
+    }
   }
-  for (std::size_t p = 0; p < kProbings; ++p)
-    squares[p] *= double(result_.weights[room][p]) * double(result_.weights[room][p]);
   std::sort(squares.begin(), squares.end(), std::greater<>());
   return std::accumulate(squares.begin(), squares.begin() + kWorst, 0.0) / kWorst;
 }
