@@ -6,17 +6,10 @@
 
 #include "precompute/cut.h"
 #include "precompute/rows.h"
+#include "precompute/weighted_sums.h"
 
 namespace relume {
 namespace {
-
-void add_light(const Probing& probing, const FormFactorRow& row, float sign, ProbingValues& sums) {
-  for (std::size_t i = 0; i < row.senders.size(); ++i) {
-    const ProbingValues& radiosity = probing.senders[row.senders[i]];
-    const float factor = sign * row.values[i];
-    for (std::size_t p = 0; p < kProbings; ++p) sums[p] += factor * radiosity[p];
-  }
-}
 
 /// Two halves that together fill the hemisphere more evenly than each: the square of half their difference is
 /// on average so many times the variance of their mean (1 for independent points, as which the few samples of
@@ -69,11 +62,12 @@ double row_noise(const Probing& probing, std::span<const RowHalves> rows) {
     if (halves.first.back_face_share + halves.second.back_face_share > 2.0f * kInvalidShare) continue;
     count += 1.0;
     ProbingValues difference{};
-    add_light(probing, halves.first.row, 0.5f, difference);
-    add_light(probing, halves.second.row, -0.5f, difference);
+    add_weighted(halves.first.row.senders, halves.first.row.values, probing.senders, difference);
+    for (float& value : difference) value = -value;
+    add_weighted(halves.second.row.senders, halves.second.row.values, probing.senders, difference);
     const ProbingValues& weights = weights_of_room(probing, room_of(probing, halves.first.row));
     for (std::size_t p = 0; p < kProbings; ++p) {
-      const double error = double(difference[p] * weights[p]);
+      const double error = 0.5 * double(difference[p] * weights[p]);
       squares += error * error;
     }
   }

@@ -14,9 +14,6 @@ namespace {
 /// A target that is missed by more is told.
 constexpr double kToldFrom = 1.2;
 
-/// As when cluster sizes are chosen (probing.cpp): no place counts as more wrong than this, square.
-constexpr double kWhollyWrong = 1.0;
-
 double root_mean_square(const std::vector<CutTile>& tiles) {
   double squares = 0.0, count = 0.0;
   for (const CutTile& tile : tiles) {

@@ -25,7 +25,7 @@ float lift_between(const Geometry& geometry, const SurfacePoint& a, const Surfac
 
 }  // namespace
 
-float room_above(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& at, float most) {
+float headroom(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& at, float most) {
   return caster.free_way(at.position + at.normal * geometry.offset, at.normal, most);
 }
 
@@ -36,14 +36,14 @@ bool mutually_visible(const Geometry& geometry, const RayCaster& caster, const S
   return !caster.occluded(lifted(geometry, caster, a, lift), lifted(geometry, caster, b, lift));
 }
 
-bool mutually_visible(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& a, float room_a,
-                      const SurfacePoint& b, float room_b) {
+bool mutually_visible(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& a,
+                      float headroom_a, const SurfacePoint& b, float headroom_b) {
   if (a.position == b.position) return true;
   const float lift = lift_between(geometry, a, b);
-  const auto end = [&](const SurfacePoint& p, float room) {
-    return p.position + p.normal * (lift - geometry.offset <= room ? lift : geometry.offset);
+  const auto end = [&](const SurfacePoint& p, float free) {
+    return p.position + p.normal * (lift - geometry.offset <= free ? lift : geometry.offset);
   };
-  return !caster.occluded(end(a, room_a), end(b, room_b));
+  return !caster.occluded(end(a, headroom_a), end(b, headroom_b));
 }
 
 }  // namespace relume

@@ -22,15 +22,15 @@ bool mutually_visible(const Geometry& geometry, const RayCaster& caster, const S
                       const SurfacePoint& b);
 
 /// How far one can go straight up from `offset` above a surface, m, at most `most`.
-float room_above(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& at, float most);
+float headroom(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& at, float most);
 
 /// Points whose normals are no more than 60 degrees apart are lifted by at most this share of their distance,
 /// or by Geometry::offset.
 inline constexpr float kMostLift = 0.3f;
 
 /// mutually_visible() of points above which so much is free: for whoever asks about a point again and again.
-bool mutually_visible(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& a, float room_a,
-                      const SurfacePoint& b, float room_b);
+bool mutually_visible(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& a,
+                      float headroom_a, const SurfacePoint& b, float headroom_b);
 
 /// All that the answer depends on lies within this many times their distance of the points.
 inline constexpr float kLiftReach = 1.6f;

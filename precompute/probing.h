@@ -23,6 +23,10 @@ struct SurveyRows;
 inline constexpr std::size_t kProbings = 16;
 using ProbingValues = std::array<float, kProbings>;
 
+/// No place counts as more wrong than this in estimates of errors, squared and of the mean of its room: where
+/// a lamp happens to glow into a gap, few square centimetres would stand for the whole scene.
+inline constexpr double kWhollyWrong = 1.0;
+
 /// Whether rooms that have possible emitters are lit by these.
 constexpr bool by_emitters(std::size_t probing) {
   return probing % 8 == 1;

@@ -60,8 +60,8 @@ SenderLookup::SenderLookup(const Geometry& geometry, const std::vector<Chart>& c
     make_grid(layouts[s], s);
   }
   owners_.resize(elements);
-  rooms_ = std::vector<std::atomic<float>>(elements);
-  for (auto& room : rooms_) room.store(-1.0f, std::memory_order_relaxed);
+  headrooms_ = std::vector<std::atomic<float>>(elements);
+  for (auto& free : headrooms_) free.store(-1.0f, std::memory_order_relaxed);
   follow_clusters();
 }
 
@@ -163,14 +163,14 @@ std::uint32_t SenderLookup::seen_from_behind(std::uint32_t triangle, float u, fl
   return hit ? element(*hit) : kBlackBack;
 }
 
-float SenderLookup::room_over(std::uint32_t element, const SurfacePoint& middle) const {
-  std::atomic<float>& known = rooms_[element];
-  float room = known.load(std::memory_order_relaxed);
-  if (room < 0.0f) {
-    room = room_above(geometry_, caster_, middle, std::numeric_limits<float>::infinity());
-    known.store(room, std::memory_order_relaxed);
+float SenderLookup::headroom_over(std::uint32_t element, const SurfacePoint& middle) const {
+  std::atomic<float>& known = headrooms_[element];
+  float free = known.load(std::memory_order_relaxed);
+  if (free < 0.0f) {
+    free = headroom(geometry_, caster_, middle, std::numeric_limits<float>::infinity());
+    known.store(free, std::memory_order_relaxed);
   }
-  return room;
+  return free;
 }
 
 /// Elements of the lumels around a point that agree with it in material and face the same way.
@@ -220,7 +220,7 @@ std::uint32_t SenderLookup::search(const SurfaceHit& hit, std::uint32_t system, 
 std::uint32_t SenderLookup::nearest_seen(const SurfacePoint& point, Candidates& candidates,
                                          std::uint32_t first_element) const {
   if (candidates.count == 0) return kNone;
-  const float room = room_above(geometry_, caster_, point, kMostLift * candidates.furthest);
+  const float own = headroom(geometry_, caster_, point, kMostLift * candidates.furthest);
   const auto before = [](const Candidates::One& a, const Candidates::One& b) {
     return a.distance < b.distance || (a.distance == b.distance && a.element < b.element);
   };
@@ -229,7 +229,8 @@ std::uint32_t SenderLookup::nearest_seen(const SurfacePoint& point, Candidates& 
     std::iter_swap(rest.begin(), std::min_element(rest.begin(), rest.end(), before));
     const std::uint32_t element = first_element + rest[0].element;
     const SurfacePoint& middle = rest[0].middle;
-    if (mutually_visible(geometry_, caster_, point, room, middle, room_over(element, middle))) return element;
+    if (mutually_visible(geometry_, caster_, point, own, middle, headroom_over(element, middle)))
+      return element;
   }
   return kNone;
 }

@@ -154,8 +154,8 @@ class SenderLookup {
                       std::uint32_t cell, Candidates& candidates) const;
   std::uint32_t nearest_seen(const SurfacePoint& point, Candidates& candidates,
                              std::uint32_t first_element) const;
-  /// room_above() the middle of an element of all systems.
-  float room_over(std::uint32_t element, const SurfacePoint& middle) const;
+  /// headroom() the middle of an element of all systems.
+  float headroom_over(std::uint32_t element, const SurfacePoint& middle) const;
   std::uint32_t search(const SurfaceHit& hit, std::uint32_t system, std::uint32_t cell) const;
 
   const Geometry& geometry_;
@@ -166,9 +166,9 @@ class SenderLookup {
   std::vector<Grid> grids_;
   std::vector<std::uint32_t> first_elements_;  ///< per system
   std::vector<ElementOwner> owners_;           ///< per element of all systems
-  /// Per element of all systems: room_over(), below 0 until somebody asks. Others who ask meanwhile find the
-  /// same.
-  mutable std::vector<std::atomic<float>> rooms_;
+  /// Per element of all systems: headroom_over(), below 0 until somebody asks. Others who ask meanwhile find
+  /// the same.
+  mutable std::vector<std::atomic<float>> headrooms_;
 };
 
 }  // namespace relume

@@ -20,8 +20,8 @@ struct Survey {
 };
 
 /// Traces the survey, finds the rooms, unless those of an earlier survey of the same elements are given, and
-/// gives clusters the numbers of its cluster tree: in `surfaces`, `lookup`, `emitters`,
-/// which are the ones that `scene` borrows, and in the numbers of its sky's cells. In the calling task arena.
+/// gives clusters the numbers of its cluster tree: in `surfaces`, `lookup`, `emitters`, which are the ones
+/// that `scene` borrows, and in the numbers of its sky's cells. In the calling task arena.
 Result<Survey> survey(RowScene& scene, const std::vector<Chart>& charts,
                       std::vector<ClusteredSurface>& surfaces, SenderLookup& lookup, Emitters& emitters,
                       ElementRooms& rooms, RowCounts& counts, const ProgressObserver& observer);
