@@ -215,11 +215,11 @@ Measurements sampling(const BenchmarkOptions& options) {
   if (!input) return tl::unexpected(input.error());
   PrecomputeOptions sizes;
   sizes.cluster_size = kClusterSize, sizes.texel_size = kTexelSize;
-  Geometry geometry = make_geometry(*input);
+  const Geometry geometry = make_geometry(*input);
   auto caster = make_caster(geometry);
   if (!caster) return tl::unexpected(caster.error());
   PrecomputeReport report;
-  auto surfaces = cut_surfaces(*input, sizes, *caster, std::move(geometry), report);
+  auto surfaces = cut_surfaces(*input, sizes, *caster, geometry, report);
   if (!surfaces) return tl::unexpected(surfaces.error());
   cluster_surfaces(*input, *caster, report, 0.0, {}, *surfaces);
   SamplingScene scene(std::move(*caster), std::move(*surfaces));

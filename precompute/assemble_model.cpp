@@ -105,9 +105,8 @@ void store_charts(const ModelParts& parts, const AtlasLayout& layout, System& sy
   }
 }
 
-Occluders make_occluders(const ModelParts& parts) {
+void store_occluders(const ModelParts& parts, Occluders& occluders) {
   const Geometry& geometry = parts.geometry;
-  Occluders occluders;
   occluders.positions = geometry.positions, occluders.triangles = geometry.triangles;
   occluders.material = geometry.material, occluders.node = geometry.node;
   occluders.opacity = geometry.opacity.stored();
@@ -125,7 +124,6 @@ Occluders make_occluders(const ModelParts& parts) {
       }
     }
   }
-  return occluders;
 }
 
 /// Patches of the sky that no column means have no place in the model.
@@ -178,8 +176,7 @@ std::vector<bool> own_elements(const Scene& scene, const std::vector<Chart>& cha
   return own;
 }
 
-Model start_model(const ModelParts& parts, double max_albedo) {
-  Model model;
+void start_model(const ModelParts& parts, double max_albedo, Model& model) {
   model.origin = parts.geometry.origin;
   model.max_albedo = max_albedo;
   model.sky_resolution = parts.senders.sky_resolution;
@@ -191,7 +188,6 @@ Model start_model(const ModelParts& parts, double max_albedo) {
     system.lightmap_height = parts.layouts[s].height;
     system.clusters.resize(parts.surfaces[s].cluster_count);
   }
-  return model;
 }
 
 void store_surfaces(const ModelParts& parts, Model& model, PrecomputeReport& report) {
@@ -210,10 +206,7 @@ void store_surfaces(const ModelParts& parts, Model& model, PrecomputeReport& rep
     model.materials.push_back(
         {parts.scene.materials[m].name, parts.scene.materials[m].double_sided, emits[m]});
   }
-  GeometryHash hash = geometry_hash(parts.scene);
-  model.nodes = std::move(hash.nodes);
-  model.geometry_hash = hash.total;
-  model.occluders = make_occluders(parts);
+  store_occluders(parts, model.occluders);
   model.occluders.texture = texture_triangles(parts.scene, emits);
 }
 

@@ -37,9 +37,9 @@ struct ModelParts {
 // may run side by side.
 
 /// Systems with their names and sizes, and cells of the sky: before all others.
-Model start_model(const ModelParts& parts, double max_albedo);
+void start_model(const ModelParts& parts, double max_albedo, Model& model);
 
-/// Elements, clusters without colours, lumels, charts, materials, nodes and occluders without their tree.
+/// Elements, clusters without colours, lumels, charts, materials, and occluders without their tree.
 void store_surfaces(const ModelParts& parts, Model& model, PrecomputeReport& report);
 
 /// Colours of clusters, after their surfaces.

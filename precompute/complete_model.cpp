@@ -5,10 +5,9 @@
 
 #include <chrono>
 #include <glm/geometric.hpp>
-#include <iterator>
+#include <utility>
 
 #include "precompute/light_samples.h"
-#include "precompute/rig.h"
 #include "precompute/views.h"
 
 namespace relume {
@@ -23,36 +22,31 @@ void add_sensors(const ModelParts& parts, const PrecomputeOptions& options, Mode
   }
 }
 
-Result<void> sample_light(const ModelParts& parts, const PrecomputeOptions& options, const RayCaster& caster,
+void sample_light(const ModelParts& parts, const PrecomputeOptions& options, const RayCaster& caster,
                           RowsKeeper* keeper, Model& model) {
   WholeElements whole;
   if (keeper != nullptr) whole = keeper->known_whole(parts.element_orders);
   Views views(parts.geometry, caster, keeper != nullptr ? keeper->change() : nullptr, options.keep_rows);
-  if (auto added = add_light_samples(parts.geometry, caster, model, views, whole); !added) return added;
+  add_light_samples(parts.geometry, caster, model, views, whole);
   if (keeper != nullptr) keeper->keep_whole(parts.element_orders, whole, views.take_answers());
-  return {};
-}
-
-void light(const ModelParts& parts, const RayCaster& caster, RowsKeeper* keeper, Model& model,
-           std::vector<std::string>& warnings) {
-  const auto earlier = keeper != nullptr ? keeper->earlier_looks() : std::nullopt;
-  EnclosedGrid looked;
-  light_model(parts.scene, parts.geometry, caster, earlier ? &*earlier : nullptr, model, warnings, &looked);
-  if (keeper != nullptr) keeper->keep_looks(std::move(looked));
 }
 
 }  // namespace
 
-Result<Model> complete_model(const ModelParts& parts, const PrecomputeOptions& options, ValueCodec codec,
-                             const RayCaster& caster, RowsKeeper* keeper, bool takes_rays,
+Result<Model> complete_model(ScenePart& scene_part, const ModelParts& parts, const PrecomputeOptions& options,
+                             ValueCodec codec, const RayCaster& caster, RowsKeeper* keeper, bool takes_rays,
                              PrecomputeReport& report) {
-  Model model = start_model(parts, options.max_albedo);
+  const auto known = scene_part.get();
+  if (!known) return tl::unexpected(known.error());
+  if (keeper != nullptr) keeper->keep_looks((*known)->looked);
+  Model model = (*known)->model;
+  start_model(parts, options.max_albedo, model);
   add_sensors(parts, options, model);
-  Result<void> rows, samples;
-  std::vector<std::string> of_surfaces, of_lights;
+  Result<void> rows;
+  std::vector<std::string> of_surfaces;
   const auto complete_surfaces = [&] {
     store_surfaces(parts, model, report);
-    tbb::parallel_invoke([&] { samples = sample_light(parts, options, caster, keeper, model); },
+    tbb::parallel_invoke([&] { sample_light(parts, options, caster, keeper, model); },
                          [&] {
                            store_colors(parts.scene, options.max_albedo, model, of_surfaces);
                            warn_of_invalid_lumels(model, of_surfaces);
@@ -67,12 +61,11 @@ Result<Model> complete_model(const ModelParts& parts, const PrecomputeOptions& o
     report.seconds_rows = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
   // The longest one last: the calling thread begins with it.
-  tbb::parallel_invoke(
-      complete_rows, take_rays, [&] { light(parts, caster, keeper, model, of_lights); }, complete_surfaces);
+  tbb::parallel_invoke(complete_rows, take_rays, complete_surfaces);
   if (!rows) return tl::unexpected(rows.error());
-  if (!samples) return tl::unexpected(samples.error());
-  for (auto* warnings : {&of_surfaces, &of_lights})
-    std::move(warnings->begin(), warnings->end(), std::back_inserter(report.warnings));
+  const std::vector<std::string>& of_lights = (*known)->warnings;
+  for (const auto* warnings : {&std::as_const(of_surfaces), &of_lights})
+    report.warnings.insert(report.warnings.end(), warnings->begin(), warnings->end());
   return model;
 }
 

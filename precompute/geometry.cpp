@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "precompute/geometry.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <unordered_map>
 
 #include "core/mix.h"
 #include "core/ray_offset.h"
+#include "precompute/key_index.h"
 #include "scene/scene_opacity.h"
 #include "scene/surface_color.h"
 
@@ -73,17 +74,19 @@ bool less(const glm::vec3& a, const glm::vec3& b) {
   return false;
 }
 
-struct CornersHash {
-  std::size_t operator()(const Corners& corners) const {
-    std::uint64_t hash = 0;
-    for (const glm::vec3& corner : corners) {
-      const auto bits =
-          std::bit_cast<std::array<std::uint32_t, 3>>(corner + 0.0f);  // -0 and +0 are one place
-      hash = mix(mix(hash, std::uint64_t{bits[0]} << 32 | bits[1]), bits[2]);
-    }
-    return hash;
-  }
-};
+std::uint64_t place_key(const glm::vec3& place) {
+  const auto bits = std::bit_cast<std::array<std::uint32_t, 3>>(place + 0.0f);  // -0 and +0 are one place
+  return mix(mix(0, std::uint64_t{bits[0]} << 32 | bits[1]), bits[2]);
+}
+
+/// Per triangle: the same for those that have the same corners, in whatever order.
+std::vector<std::uint64_t> corner_keys(const Geometry& geometry) {
+  std::vector<std::uint64_t> places(geometry.positions.size()), keys(geometry.triangles.size());
+  std::transform(geometry.positions.begin(), geometry.positions.end(), places.begin(), place_key);
+  std::transform(geometry.triangles.begin(), geometry.triangles.end(), keys.begin(),
+                 [&](const auto& t) { return places[t[0]] + places[t[1]] + places[t[2]]; });
+  return keys;
+}
 
 /// The corners from the smallest on, in the same sense.
 Corners canonical(Corners corners) {
@@ -95,16 +98,17 @@ Corners canonical(Corners corners) {
 }
 
 std::vector<std::uint32_t> find_opposites(const Geometry& geometry) {
-  std::unordered_map<Corners, std::uint32_t, CornersHash> seen;
-  seen.reserve(geometry.triangles.size());
+  const std::vector<std::uint64_t> keys = corner_keys(geometry);
+  const KeyIndex index(keys);
   std::vector<std::uint32_t> opposite(geometry.triangles.size(), kNone);
   for (std::uint32_t t = 0; t < geometry.triangles.size(); ++t) {
-    const Corners own = canonical(corners_of(geometry, t));
-    seen.emplace(own, t);
-    const auto found = seen.find({own[0], own[2], own[1]});
-    if (found == seen.end() || opposite[found->second] != kNone) continue;
-    opposite[t] = found->second;
-    opposite[found->second] = t;
+    std::uint32_t other = index.find(keys[t]);
+    if (other == t) continue;
+    const Corners own = canonical(corners_of(geometry, t)), reversed{own[0], own[2], own[1]};
+    while (other < t && canonical(corners_of(geometry, other)) != reversed) other = index.after(other);
+    if (other >= t || opposite[other] != kNone) continue;
+    opposite[t] = other;
+    opposite[other] = t;
   }
   return opposite;
 }

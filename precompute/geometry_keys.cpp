@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <unordered_map>
 
 #include "core/mix.h"
+#include "precompute/key_index.h"
 
 namespace relume {
 namespace {
@@ -61,12 +61,12 @@ std::uint64_t chart_key(const Geometry& geometry, const std::vector<std::uint64_
 }
 
 void forget_repeats(std::vector<std::uint64_t>& keys) {
-  std::unordered_map<std::uint64_t, std::size_t> first;
-  first.reserve(keys.size());
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    const auto [known, added] = first.try_emplace(keys[i], i);
-    if (!added) keys[known->second] = keys[i] = 0;
+  const KeyIndex index(keys);
+  std::vector<std::uint32_t> repeats;
+  for (std::uint32_t i = 0; i < keys.size(); ++i) {
+    if (index.after(index.find(keys[i])) != kNone) repeats.push_back(i);
   }
+  for (const std::uint32_t i : repeats) keys[i] = 0;
 }
 
 }  // namespace

@@ -119,7 +119,10 @@ void KeptRays::translate(const Surfaces& surfaces, const RayCaster& caster, cons
     if (!charted[own] && (opposite == kNone || !charted[opposite]))
       new_codes_[old_codes_.bare(t)] = codes_.bare(own);
   }
-  old_elements_ = unchanged_elements(surfaces, lookup, keys, old_.element_keys, settled,
+  std::vector<std::uint32_t> old_of(keys.size());
+  std::transform(keys.begin(), keys.end(), old_of.begin(),
+                 [&](std::uint64_t key) { return change_.old_element(key); });
+  old_elements_ = unchanged_elements(surfaces, lookup, old_of, settled,
                                      [&](std::uint32_t e, float reach) {
                                        return change_.disturbed(balls_[e].middle, balls_[e].radius + reach);
                                      });

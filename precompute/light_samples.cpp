@@ -3,7 +3,6 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -98,37 +97,33 @@ Geometry occluder_geometry(const Model& model) {
   return geometry;
 }
 
-Result<void> add_light_samples(const Geometry& geometry, const RayCaster& caster, Model& model, Views& views,
-                               WholeElements& whole) {
+void add_light_samples(const Geometry& geometry, const RayCaster& caster, Model& model, Views& views,
+                       WholeElements& whole) {
   whole.resize(model.systems.size());
-  const Occluders& occluders = model.occluders;
-  Result<OccluderBvh> bvh;
-  const auto sample = [&] {
-    for (std::size_t s = 0; s < model.systems.size(); ++s) {
-      System& system = model.systems[s];
-      system.own_patches = as_bits(find_own_patches(model, system, views, whole[s]));
-      system.lifted_sensors.clear();
-      for (const Sensor& sensor : system.sensors) {
-        system.lifted_sensors.push_back(
-            lift_sensor(geometry, caster, sensor.position, glm::dvec3(sensor.normal)).position);
-      }
+  for (std::size_t s = 0; s < model.systems.size(); ++s) {
+    System& system = model.systems[s];
+    system.own_patches = as_bits(find_own_patches(model, system, views, whole[s]));
+    system.lifted_sensors.clear();
+    for (const Sensor& sensor : system.sensors) {
+      system.lifted_sensors.push_back(
+          lift_sensor(geometry, caster, sensor.position, glm::dvec3(sensor.normal)).position);
     }
-  };
-  tbb::parallel_invoke(
-      [&] { bvh = build_occluder_bvh(occluders.positions, occluders.triangles, occluders.opacity); }, sample);
-  if (!bvh) return tl::unexpected(bvh.error());
-  model.occluders.bvh = std::move(*bvh);
-  return {};
+  }
 }
 
 Result<void> add_light_samples(Model& model) {
   const auto caster =
       RayCaster::create(model.occluders.positions, model.occluders.triangles, model.occluders.opacity);
   if (!caster) return tl::unexpected(caster.error());
+  Occluders& occluders = model.occluders;
+  auto bvh = build_occluder_bvh(occluders.positions, occluders.triangles, occluders.opacity);
+  if (!bvh) return tl::unexpected(bvh.error());
+  occluders.bvh = std::move(*bvh);
   const Geometry geometry = occluder_geometry(model);
   Views views(geometry, *caster);
   WholeElements whole;
-  return add_light_samples(geometry, *caster, model, views, whole);
+  add_light_samples(geometry, *caster, model, views, whole);
+  return {};
 }
 
 }  // namespace relume

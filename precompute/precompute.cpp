@@ -154,6 +154,7 @@ struct Start {
   const RayCaster& caster;
   const Surfaces& surfaces;
   const Preparation& prepared;
+  ScenePart& scene_part;
   RowsKeeper* keeper;                 ///< or nothing
   std::vector<SurfacePoint> sensors;  ///< lifted
   std::vector<ProbePoint> probes;
@@ -162,7 +163,8 @@ struct Start {
 
 Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& counts,
                           PrecomputeReport& report, const ProgressObserver& observer) {
-  const auto& [scene, options, caster, surfaces, prepared, keeper, sensors, probes, volume] = start;
+  const auto& [scene, options, caster, surfaces, prepared, scene_part, keeper, sensors, probes, volume] =
+      start;
   const auto rays_start = std::chrono::steady_clock::now();
   auto rows = trace_rows(prepared.rows, surfaces, prepared.senders, sensors, probes, plan, prepared.known(),
                          counts, observer);
@@ -193,7 +195,7 @@ Result<Model> trace_model(const Start& start, const RowPlan& plan, RowCounts& co
                          prepared.senders,
                          surfaces.cluster_count()};
   const bool keeps = keeper != nullptr && options.keep_rows && prepared.rows.memory != nullptr;
-  auto model = complete_model(parts, options, plan.codec, caster, keeper, keeps, report);
+  auto model = complete_model(scene_part, parts, options, plan.codec, caster, keeper, keeps, report);
   if (!model) return model;
   if (!probes.empty()) model->probe_volume = without_invalid_probes(volume, rows->probes.rows);
   if (!scene.cameras.empty()) model->camera = scene.cameras.front();
@@ -258,7 +260,7 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   const auto start = std::chrono::steady_clock::now();
   if (scene.triangles.empty())
     return fail(ErrorCode::bad_input, fmt::format("{}: no static triangles to precompute", scene.file_name));
-  Geometry geometry = make_geometry(scene);
+  const Geometry geometry = make_geometry(scene);
   if (auto ok = check_sizes(options, geometry); !ok) return tl::unexpected(ok.error());
   if (observer && !observer("surfaces", 0.0))
     return fail(ErrorCode::cancelled, "stopped before the surfaces were cut");
@@ -266,11 +268,17 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   std::unique_ptr<RowsKeeper> keeper;
   std::optional<Result<RayCaster>> caster;
   std::vector<Chart> charts;
-  tbb::parallel_invoke([&] { caster.emplace(cast(scene, options, geometry, report, keeper)); },
-                       [&] { charts = make_charts(scene, geometry, report.texel_size, report.warnings); });
+  ScenePart scene_part(scene, geometry);
+  // What all else waits for comes last: the calling thread begins with it.
+  tbb::parallel_invoke([&] { charts = make_charts(scene, geometry, report.texel_size, report.warnings); },
+                       [&] {
+                         scene_part.start();
+                         caster.emplace(cast(scene, options, geometry, report, keeper));
+                       });
   if (!*caster) return tl::unexpected(caster->error());
   const auto earlier = keeper ? keeper->earlier() : std::nullopt;
-  auto surfaces = cut_surfaces(scene, options, **caster, std::move(geometry), std::move(charts), report,
+  scene_part.light(**caster, keeper ? keeper->earlier_looks(geometry, **caster) : std::nullopt);
+  auto surfaces = cut_surfaces(scene, options, **caster, geometry, std::move(charts), report,
                                earlier ? &*earlier : nullptr);
   if (!surfaces) return tl::unexpected(surfaces.error());
   RowPlan plan = plan_rows(options, scene);
@@ -289,7 +297,7 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   follow_target(*surfaces, options, *prepared, counts, plan);
   prepared->rows.directional = options.directional;  // from here on: nothing before asks for directions
   report.seconds_rays = seconds_since(start) - report.seconds_surfaces;
-  Start rows{scene, options, **caster, *surfaces, *prepared, keeper.get(), {}, options.probes, {}};
+  Start rows{scene, options, **caster, *surfaces, *prepared, scene_part, keeper.get(), {}, options.probes, {}};
   if (options.auto_probes || options.probe_spacing > 0.0) {
     auto placed = options.auto_probes ? place_probes(prepared->rows, *prepared->probing,
                                                      std::max(options.error, kProbeError), counts, observer)

@@ -40,7 +40,11 @@ void follow_senders(const SenderLookup& lookup, const Emitters& emitters,
 }
 
 RayRecall::RayRecall(RayMemory& memory, const Emitters& emitters, const SenderLookup& lookup)
-    : memory_(memory), emitters_(emitters), lookup_(lookup), width_(memory.codes.width()) {
+    : memory_(memory),
+      emitters_(emitters),
+      lookup_(lookup),
+      width_(memory.codes.width()),
+      chunks_(memory.record ? &memory.record->memory() : nullptr) {
   clear_senders_.resize(memory.sender_count + kSeenBeyond, 0);
 }
 
@@ -48,14 +52,23 @@ void RayRecall::open_record(std::uint64_t identity, std::uint32_t rays, std::uin
   known_ = &memory_.record->of(identity);
   lock_ = std::unique_lock(known_->in_use);
   blank_ = known_->rays == 0;
-  if (known_->rays < rays) {
-    known_->rays = rays;
-    known_->codes.resize(std::size_t{rays} * width_, std::byte{0});
-  }
+  if (known_->rays < rays) make_room(rays);
   if (known_->emitters != memory_.emitters) known_->samples.clear();
   known_->emitters = memory_.emitters;
   if (known_->samples.size() < samples) known_->samples.resize(samples, SampleState::unknown);
   sorted_hits_ = known_->emitter_hits.size();
+}
+
+/// For so many codes, more than there were.
+void RayRecall::make_room(std::uint32_t rays) {
+  const std::size_t before = std::size_t{known_->rays} * width_, bytes = std::size_t{rays} * width_;
+  const std::span<std::byte> old = known_->codes;
+  if (bytes > old.size()) {
+    known_->codes = chunks_->take(std::max(bytes, 2 * old.size()));
+    std::copy_n(old.begin(), before, known_->codes.begin());
+  }
+  std::fill(known_->codes.begin() + std::ptrdiff_t(before), known_->codes.begin() + std::ptrdiff_t(bytes), std::byte{0});
+  known_->rays = rays;
 }
 
 void RayRecall::begin(std::uint64_t identity, const Receiver& receiver, std::uint32_t rays,
@@ -285,10 +298,7 @@ void RayRecall::book_emitter_hit(std::uint32_t ray, std::size_t lane, const Pack
 }
 
 void RayRecall::book_code(std::uint32_t ray, std::uint32_t code) {
-  if (ray >= known_->rays) {
-    known_->rays = ray + 1;
-    known_->codes.resize(std::size_t{known_->rays} * width_, std::byte{0});
-  }
+  if (ray >= known_->rays) make_room(ray + 1);
   store_code(known_->codes.data(), width_, ray, code);
 }
 

@@ -78,6 +78,7 @@ class RayRecall {
                            PacketSight& sight);
   std::uint32_t known_code(std::uint32_t ray) const;
   void open_record(std::uint64_t identity, std::uint32_t rays, std::uint32_t samples);
+  void make_room(std::uint32_t rays);
   void book_code(std::uint32_t ray, std::uint32_t code);
   void book_emitter_hit(std::uint32_t ray, std::size_t lane, const PacketSight& sight);
   bool faces_changes(const Receiver& receiver) const;
@@ -88,6 +89,7 @@ class RayRecall {
   const Emitters& emitters_;
   const SenderLookup& lookup_;
   std::uint32_t width_;         ///< of codes
+  ChunkMemory* chunks_;         ///< none without a record
   KnownRays* known_ = nullptr;  ///< none without a record
   std::unique_lock<std::mutex> lock_;
   bool blank_ = false;           ///< nothing was in known_

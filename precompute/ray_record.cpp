@@ -2,7 +2,7 @@
 #include "precompute/ray_record.h"
 
 #include <algorithm>
-#include <iterator>
+#include <utility>
 
 #include "core/section_table.h"
 
@@ -18,7 +18,7 @@ void append_samples(const std::vector<SampleState>& samples, std::vector<std::by
 
 }  // namespace
 
-RayRecord::RayRecord(const RayCodes& codes) : shelves_(kShelves) {
+RayRecord::RayRecord(const RayCodes& codes) : codes_(codes), shelves_(kShelves) {
   for (Shelf& shelf : shelves_) shelf.rays.reserve(codes.elements / kShelves + codes.elements / kShelves / 8);
 }
 
@@ -26,6 +26,11 @@ KnownRays& RayRecord::of(std::uint64_t identity) {
   Shelf& shelf = shelves_[identity % kShelves];
   const std::lock_guard lock(shelf.mutex);
   return shelf.rays[identity];
+}
+
+ChunkMemory& RayRecord::memory() {
+  const std::lock_guard lock(mutex_);
+  return memories_.emplace_back();
 }
 
 RecordedRays RayRecord::take(std::uint64_t emitters) {
@@ -41,11 +46,12 @@ RecordedRays RayRecord::take(std::uint64_t emitters) {
                               std::uint32_t(known->emitter_hits.size()), 0});
     if (current) append_samples(known->samples, rays.samples);
     rays.emitter_hits.insert(rays.emitter_hits.end(), known->emitter_hits.begin(), known->emitter_hits.end());
-    rays.codes.emplace_back(rays.owned.emplace_back(std::move(known->codes)));
+    rays.codes.emplace_back(known->codes.first(codes_.width() * std::size_t{known->rays}));
   }
   rays.codes.emplace_back(kCodesEnd);
   rays.checksum = checksum_of(rays.codes);
   for (Shelf& shelf : shelves_) shelf.rays.clear();
+  rays.owner = std::make_shared<const std::deque<ChunkMemory>>(std::exchange(memories_, {}));
   return rays;
 }
 
@@ -53,7 +59,7 @@ FileParts encode_rows(RowsFile& file, RecordedRays rays) {
   file.receivers = std::move(rays.receivers);
   file.samples = rays.samples, file.emitter_hits = rays.emitter_hits;
   FileParts parts = encode_rows(file, rays.codes, rays.checksum);
-  std::move(rays.owned.begin(), rays.owned.end(), std::back_inserter(parts.owned));
+  parts.owners.push_back(std::move(rays.owner));
   return parts;
 }
 

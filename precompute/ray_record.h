@@ -4,12 +4,14 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
+#include "precompute/chunk_memory.h"
 #include "precompute/ray_codes.h"
 #include "precompute/rows_file.h"
 
@@ -18,8 +20,8 @@ namespace relume {
 /// What is known of the rays of one receiver.
 struct KnownRays {
   std::mutex in_use;                     ///< hold it while you read or write
-  std::uint32_t rays = 0;                ///< room for so many codes
-  std::vector<std::byte> codes;          ///< `rays` of them
+  std::uint32_t rays = 0;                ///< codes
+  std::span<std::byte> codes;            ///< room for so many, and maybe more
   std::vector<EmitterHit> emitter_hits;  ///< ascending by ray, between the rows of a receiver
   std::vector<SampleState> samples;
   std::uint64_t emitters = 0;  ///< key of those that the samples were drawn from
@@ -32,7 +34,7 @@ struct RecordedRays {
   std::vector<EmitterHit> emitter_hits;
   std::vector<std::span<const std::byte>> codes;  ///< with their padding
   std::uint64_t checksum = 0;                     ///< of the codes
-  std::vector<std::vector<std::byte>> owned;      ///< that they lie in
+  std::shared_ptr<const void> owner;              ///< of their bytes
 };
 
 /// The bytes of a .rows file, with the rest of it in `file`.
@@ -45,6 +47,8 @@ class RayRecord {
 
   /// Of a receiver, by its identity; lives as long as the record.
   KnownRays& of(std::uint64_t identity);
+  /// For the codes that one thread finds; lives as long as the record, until all is taken.
+  ChunkMemory& memory();
   /// Everything; forgets it. Samples of other emitters than those of this key are left out.
   RecordedRays take(std::uint64_t emitters);
 
@@ -54,7 +58,10 @@ class RayRecord {
     std::mutex mutex;
     std::unordered_map<std::uint64_t, KnownRays> rays;
   };
+  RayCodes codes_;
   std::vector<Shelf> shelves_;
+  std::mutex mutex_;
+  std::deque<ChunkMemory> memories_;
 };
 
 }  // namespace relume

@@ -1,18 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "precompute/row_store.h"
 
-#include <algorithm>
 #include <cstring>
 
 #include "core/packed_direction.h"
 
 namespace relume {
-namespace {
-
-/// Bytes; with what an allocator adds, they fill a large page.
-constexpr std::size_t kChunk = (std::size_t{2} << 20) - (std::size_t{64} << 10);
-
-}  // namespace
 
 void pack_directions(std::span<const float> values, std::span<const glm::vec3> moments,
                      std::vector<std::uint32_t>& codes) {
@@ -36,16 +29,9 @@ StoredRow RowStore::put(const FormFactorRow& row, ValueCodec codec) {
 
 template <class T>
 std::span<const T> RowStore::keep(std::span<const T> values) {
-  constexpr std::size_t kAlignment = alignof(std::uint32_t);
   if (values.empty()) return {};
-  const std::size_t bytes = (values.size_bytes() + kAlignment - 1) / kAlignment * kAlignment;
-  if (used_ + bytes > size_) {
-    size_ = std::max(bytes, kChunk), used_ = 0;
-    chunks_.push_back(std::make_unique_for_overwrite<std::byte[]>(size_));
-  }
-  std::byte* const at = chunks_.back().get() + used_;
+  std::byte* const at = memory_.take(values.size_bytes()).data();
   std::memcpy(at, values.data(), values.size_bytes());
-  used_ += bytes;
   return {reinterpret_cast<const T*>(at), values.size()};
 }
 

@@ -3,12 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "core/row_encoder.h"
+#include "precompute/chunk_memory.h"
 #include "precompute/row_tracer.h"
 
 namespace relume {
@@ -38,8 +38,7 @@ class RowStore {
   std::span<const T> keep(std::span<const T> values);
 
   std::vector<std::uint8_t> seen_;
-  std::vector<std::unique_ptr<std::byte[]>> chunks_;
-  std::size_t used_ = 0, size_ = 0;     ///< bytes of the last chunk
+  ChunkMemory memory_;
   std::vector<std::uint16_t> columns_;  // their memory serves again
   std::vector<std::uint32_t> directions_;
   RowEncoder encoder_;

@@ -70,9 +70,10 @@ void RowsKeeper::keep_whole(const std::vector<std::vector<std::uint32_t>>& order
   }
 }
 
-std::optional<EarlierLooks> RowsKeeper::earlier_looks() const {
+std::optional<EarlierLooks> RowsKeeper::earlier_looks(const Geometry& geometry,
+                                                      const RayCaster& caster) const {
   if (!change_ || !change_->comparable()) return std::nullopt;
-  return EarlierLooks{change_->old(), change_->changed_boxes(surfaces_->geometry, *caster_)};
+  return EarlierLooks{change_->old(), change_->changed_boxes(geometry, caster)};
 }
 
 void RowsKeeper::keep_looks(EnclosedGrid grid) {

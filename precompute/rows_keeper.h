@@ -40,7 +40,7 @@ class RowsKeeper {
   void keep_whole(const std::vector<std::vector<std::uint32_t>>& orders, const WholeElements& whole,
                   std::vector<std::uint64_t> views);
   /// Of what the rig sees; nothing without old rows.
-  std::optional<EarlierLooks> earlier_looks() const;
+  std::optional<EarlierLooks> earlier_looks(const Geometry& geometry, const RayCaster& caster) const;
   void keep_looks(EnclosedGrid grid);
   /// Bytes that so many rays take, until their file is written.
   std::uint64_t memory_of(std::uint64_t rays) const;

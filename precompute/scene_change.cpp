@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <set>
-#include <unordered_map>
 
 #include "core/ray_offset.h"
 
@@ -53,7 +52,9 @@ Result<std::optional<RayCaster>> caster_of(std::span<const glm::vec3> positions,
   if (some.empty()) return std::optional<RayCaster>();
   std::vector<std::array<std::uint32_t, 3>> own;
   for (const auto t : some) own.push_back(triangles[t]);
-  auto caster = RayCaster::create(positions, own);
+  // It is asked whether rays meet anything, not which triangle: ties need not be settled.
+  const std::vector<std::uint8_t> no_ties(own.size(), 0);
+  auto caster = RayCaster::create(positions, own, {}, no_ties);
   if (!caster) return tl::unexpected(caster.error());
   return std::optional<RayCaster>(std::move(*caster));
 }
@@ -80,19 +81,15 @@ Result<SceneChange> SceneChange::find(const RowsFile& old, const std::string& na
   }
   change.comparable_ = old.settings.origin == geometry.origin && old.settings.offset == geometry.offset;
   if (!change.comparable_) return change;
-  change.old_elements_.insert(old.element_keys.begin(), old.element_keys.end());
+  change.old_elements_ = KeyIndex(old.element_keys);
   if (auto cast = change.cast(geometry); !cast) return tl::unexpected(cast.error());
   return change;
 }
 
 void SceneChange::match(const Geometry& geometry, const Scene& scene, std::span<const std::uint64_t> keys) {
-  std::unordered_map<std::uint64_t, std::uint32_t> old_of_key;
-  old_of_key.reserve(old_.triangles.size());
-  for (std::uint32_t t = 0; t < old_.triangles.size(); ++t) old_of_key.try_emplace(old_.triangle_keys[t], t);
-  std::vector<std::uint32_t> old_of(keys.size(), kNone);
-  for (std::uint32_t t = 0; t < keys.size(); ++t) {
-    if (const auto found = old_of_key.find(keys[t]); found != old_of_key.end()) old_of[t] = found->second;
-  }
+  const KeyIndex old_keys(old_.triangle_keys);
+  std::vector<std::uint32_t> old_of(keys.size());
+  std::transform(keys.begin(), keys.end(), old_of.begin(), [&](std::uint64_t key) { return old_keys.find(key); });
   // Hits at equal distance go to the lowest triangle: those that changed places are new ones.
   const std::vector<bool> unchanged = ascending(old_of);
   std::set<std::string> nodes;

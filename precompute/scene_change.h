@@ -5,12 +5,12 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <unordered_set>
 #include <vector>
 
 #include "core/result.h"
 #include "precompute/box_tree.h"
 #include "precompute/geometry.h"
+#include "precompute/key_index.h"
 #include "precompute/ray_caster.h"
 #include "precompute/rows_file.h"
 
@@ -51,7 +51,9 @@ class SceneChange {
   /// Whether anything changed within `reach` metres.
   bool disturbed(const glm::vec3& position, float reach) const;
   /// Whether the old scene had an element of this key.
-  bool had_element(std::uint64_t key) const { return key != 0 && old_elements_.contains(key); }
+  bool had_element(std::uint64_t key) const { return old_element(key) != kNone; }
+  /// Which it was, or kNone.
+  std::uint32_t old_element(std::uint64_t key) const { return key != 0 ? old_elements_.find(key) : kNone; }
 
  private:
   explicit SceneChange(const RowsFile& old) : old_(old) {}
@@ -69,7 +71,7 @@ class SceneChange {
   std::size_t triangles_ = 0;  ///< of this scene
   BoxTree boxes_;              ///< of all that changed
   float margin_ = 0.0f;
-  std::unordered_set<std::uint64_t> old_elements_;
+  KeyIndex old_elements_;
 };
 
 }  // namespace relume

@@ -58,10 +58,9 @@ void choose_sizes(const PrecomputeOptions& options, const Geometry& geometry, Pr
 }
 
 Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
-                              Geometry geometry, std::vector<Chart> charts, PrecomputeReport& report,
-                              const EarlierSurfaces* earlier) {
-  Surfaces surfaces;
-  surfaces.geometry = std::move(geometry);
+                              const Geometry& geometry, std::vector<Chart> charts,
+                              PrecomputeReport& report, const EarlierSurfaces* earlier) {
+  Surfaces surfaces{geometry, {}, {}, {}, {}, {}};
   surfaces.charts = std::move(charts);
   const SystemLimits limits{options.system_lumels, report.cluster_size, expected_row_entries(options)};
   auto layouts = lay_out_systems(scene, surfaces.geometry, surfaces.charts, caster, limits, report.warnings);
@@ -90,10 +89,10 @@ Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& optio
 }
 
 Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
-                              Geometry geometry, PrecomputeReport& report) {
+                              const Geometry& geometry, PrecomputeReport& report) {
   choose_sizes(options, geometry, report);
   auto charts = make_charts(scene, geometry, report.texel_size, report.warnings);
-  return cut_surfaces(scene, options, caster, std::move(geometry), std::move(charts), report);
+  return cut_surfaces(scene, options, caster, geometry, std::move(charts), report);
 }
 
 void cluster_surfaces(const Scene& scene, const RayCaster& caster, const PrecomputeReport& report,

@@ -13,7 +13,7 @@
 namespace relume {
 
 struct Surfaces {
-  Geometry geometry;
+  const Geometry& geometry;  ///< borrowed
   std::vector<Chart> charts;
   std::vector<AtlasLayout> layouts;
   std::vector<ClusteredSurface> systems;
@@ -35,12 +35,12 @@ void choose_sizes(const PrecomputeOptions& options, const Geometry& geometry, Pr
 /// Lumels and elements of charts of report.texel_size (charts.h); clusters come with cluster_surfaces. Fails
 /// when nothing receives light. `earlier` may be missing; it saves rays, and changes nothing.
 Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
-                              Geometry geometry, std::vector<Chart> charts, PrecomputeReport& report,
+                              const Geometry& geometry, std::vector<Chart> charts, PrecomputeReport& report,
                               const EarlierSurfaces* earlier = nullptr);
 
 /// The same with sizes and charts that it chooses itself.
 Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
-                              Geometry geometry, PrecomputeReport& report);
+                              const Geometry& geometry, PrecomputeReport& report);
 
 /// Groups the elements of all systems anew: clusters of report.cluster_size, or with a `clearance_share` no
 /// larger than that share of their clearance.

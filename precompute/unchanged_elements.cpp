@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
-#include <unordered_map>
 
 namespace relume {
 namespace {
@@ -16,21 +15,6 @@ constexpr int kNeighbourhood = 2;
 /// Segments between points of a neighbourhood are lifted by up to this share of their length
 /// (mutual_visibility.h).
 constexpr float kLift = 0.6f;
-
-std::vector<std::uint32_t> matches(std::span<const std::uint64_t> keys,
-                                   std::span<const std::uint64_t> old_keys) {
-  std::unordered_map<std::uint64_t, std::uint32_t> old_of_key;
-  old_of_key.reserve(old_keys.size());
-  for (std::uint32_t e = 0; e < old_keys.size(); ++e) {
-    if (old_keys[e] != 0) old_of_key.emplace(old_keys[e], e);
-  }
-  std::vector<std::uint32_t> old_of(keys.size(), kNone);
-  for (std::size_t e = 0; e < keys.size(); ++e) {
-    const auto found = keys[e] == 0 ? old_of_key.end() : old_of_key.find(keys[e]);
-    if (found != old_of_key.end()) old_of[e] = found->second;
-  }
-  return old_of;
-}
 
 /// Calls visit(element of the system) for all in the neighbourhood of one, and for itself.
 template <class Visit>
@@ -51,12 +35,10 @@ void for_each_near(const SystemSurface& surface, const Element& element, Visit&&
 }  // namespace
 
 std::vector<std::uint32_t> unchanged_elements(const Surfaces& surfaces, const SenderLookup& lookup,
-                                              std::span<const std::uint64_t> keys,
-                                              std::span<const std::uint64_t> old_keys,
+                                              const std::vector<std::uint32_t>& old_of,
                                               const std::vector<bool>& settled,
                                               const std::function<bool(std::uint32_t, float)>& disturbed) {
-  const std::vector<std::uint32_t> old_of = matches(keys, old_keys);
-  std::vector<std::uint32_t> result(keys.size(), kNone);
+  std::vector<std::uint32_t> result(old_of.size(), kNone);
   for (std::size_t s = 0; s < surfaces.systems.size(); ++s) {
     const SystemSurface& surface = surfaces.systems[s].surface;
     const std::uint32_t base = lookup.first_element(s);

@@ -2,15 +2,22 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace relume {
 
 /// The bytes of a file as parts that follow each other, so that what is large need not be copied together.
 struct FileParts {
-  std::vector<std::span<const std::byte>> parts;  ///< each in `owned`, or borrowed
-  std::vector<std::vector<std::byte>> owned;      ///< may move, their bytes stay where they are
+  std::vector<std::span<const std::byte>> parts;    ///< in what `owners` hold, or borrowed
+  std::vector<std::shared_ptr<const void>> owners;  ///< of bytes
+
+  /// Its bytes stay where they are.
+  void own(std::vector<std::byte> bytes) {
+    owners.push_back(std::make_shared<const std::vector<std::byte>>(std::move(bytes)));
+  }
 
   FileParts() = default;
   FileParts(FileParts&&) = default;

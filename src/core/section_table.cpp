@@ -163,7 +163,7 @@ FileParts SectionWriter::finish_parts() && {
   std::memcpy(head.data(), &header, sizeof header);
   if (!records_.empty()) std::memcpy(head.data() + sizeof header, records_.data(), table_end - sizeof header);
   file_.parts.insert(file_.parts.begin(), head);
-  file_.owned.push_back(std::move(head));
+  file_.own(std::move(head));
   return std::move(file_);
 }
 

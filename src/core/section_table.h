@@ -80,7 +80,7 @@ class SectionWriter {
     borrow(id, owner, std::span(&bytes, 1), flags);
   }
   /// What is borrowed may belong to the file.
-  void keep(std::vector<std::byte> bytes) { file_.owned.push_back(std::move(bytes)); }
+  void keep(std::vector<std::byte> bytes) { file_.own(std::move(bytes)); }
 
   /// The bytes of the file.
   FileParts finish_parts() &&;

@@ -29,11 +29,11 @@ constexpr int kBounces = 12;
 /// Per sender.
 using Values = std::vector<double>;
 
-Surfaces clustered(const Scene& scene, Geometry geometry, const RayCaster& caster) {
+Surfaces clustered(const Scene& scene, const Geometry& geometry, const RayCaster& caster) {
   PrecomputeOptions options;
   options.cluster_size = 0.12, options.texel_size = 0.04;
   PrecomputeReport report;
-  auto surfaces = cut_surfaces(scene, options, caster, std::move(geometry), report);
+  auto surfaces = cut_surfaces(scene, options, caster, geometry, report);
   if (!surfaces) throw std::runtime_error(surfaces.error().message);
   cluster_surfaces(scene, caster, report, 0.0, {}, *surfaces);
   return std::move(*surfaces);
@@ -49,8 +49,9 @@ class CutQuality : public testing::Test {
  protected:
   CutQuality()
       : scene_(two_rooms()),
-        caster_(*make_caster(make_geometry(scene_))),
-        surfaces_(clustered(scene_, make_geometry(scene_), caster_)),
+        geometry_(make_geometry(scene_)),
+        caster_(*make_caster(geometry_)),
+        surfaces_(clustered(scene_, geometry_, caster_)),
         emitters_(possible_emitters(scene_, surfaces_)),
         lookup_(surfaces_.geometry, surfaces_.charts, surfaces_.layouts, surfaces_.systems, caster_),
         row_scene_{surfaces_.geometry, caster_, lookup_, emitters_, surfaces_.cluster_count(), 8, {}, 0} {
@@ -149,6 +150,7 @@ class CutQuality : public testing::Test {
   }
 
   Scene scene_;
+  Geometry geometry_;
   RayCaster caster_;
   Surfaces surfaces_;
   Emitters emitters_;

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#include "precompute/chunk_memory.h"
+
+#include <algorithm>
+#include <cstdint>
+
+namespace relume {
+namespace {
+
+/// Bytes; with what an allocator adds, they fill a large page.
+constexpr std::size_t kChunk = (std::size_t{2} << 20) - (std::size_t{64} << 10);
+
+}  // namespace
+
+std::span<std::byte> ChunkMemory::take(std::size_t bytes) {
+  constexpr std::size_t kAlignment = alignof(std::uint32_t);
+  const std::size_t room = (bytes + kAlignment - 1) / kAlignment * kAlignment;
+  if (used_ + room > size_) {
+    size_ = std::max(room, kChunk), used_ = 0;
+    chunks_.push_back(std::make_unique_for_overwrite<std::byte[]>(size_));
+  }
+  const std::span taken(chunks_.back().get() + used_, bytes);
+  used_ += room;
+  return taken;
+}
+
+}  // namespace relume
