@@ -177,6 +177,15 @@ void KeptRays::index_receivers() {
   }
 }
 
+void KeptRays::fetch(std::span<const std::uint64_t> identities) const {
+  if (new_codes_.empty()) return;
+  const auto bits = [](std::uint64_t identity) { return identity >> (64 - kFirstBits); };
+  for (const std::uint64_t identity : identities) __builtin_prefetch(&first_place_[bits(identity)]);
+  for (const std::uint64_t identity : identities)
+    __builtin_prefetch(places_.data() + first_place_[bits(identity)]);
+  for (const std::uint64_t identity : identities) static_cast<void>(find(identity));
+}
+
 std::optional<OldRays> KeptRays::find(std::uint64_t identity) const {
   if (new_codes_.empty()) return std::nullopt;
   const std::uint64_t bits = identity >> (64 - kFirstBits);

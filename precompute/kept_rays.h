@@ -59,6 +59,8 @@ class KeptRays {
   std::uint64_t emitters() const { return old_.settings.emitters; }
   const SceneChange& change() const { return change_; }
 
+  /// Receivers with these identities will be asked for next.
+  void fetch(std::span<const std::uint64_t> identities) const;
   /// Of a receiver with this identity.
   std::optional<OldRays> find(std::uint64_t identity) const;
   /// What the ray met, in the codes of the old scene; kUnknown when nobody traced it.

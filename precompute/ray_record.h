@@ -8,7 +8,6 @@
 #include <memory>
 #include <mutex>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "precompute/chunk_memory.h"
@@ -19,7 +18,10 @@ namespace relume {
 
 /// What is known of the rays of one receiver.
 struct KnownRays {
+  explicit KnownRays(std::uint64_t of_receiver) : identity(of_receiver) {}
+
   std::mutex in_use;                     ///< hold it while you read or write
+  const std::uint64_t identity;          ///< of the receiver
   std::uint32_t rays = 0;                ///< codes
   std::span<std::byte> codes;            ///< room for so many, and maybe more
   std::vector<EmitterHit> emitter_hits;  ///< ascending by ray, between the rows of a receiver
@@ -53,11 +55,15 @@ class RayRecord {
   RecordedRays take(std::uint64_t emitters);
 
  private:
-  static constexpr std::size_t kShelves = 64;
+  /// Receivers whose identities begin alike, each in the first free place from where its last bits say.
   struct Shelf {
     std::mutex mutex;
-    std::unordered_map<std::uint64_t, KnownRays> rays;
+    std::deque<KnownRays> rays;
+    std::vector<KnownRays*> places;  ///< a power of two of them, at most half of them taken
   };
+  static KnownRays*& place_of(std::uint64_t identity, std::vector<KnownRays*>& places);
+  static std::vector<KnownRays*> sorted(Shelf& shelf);
+
   RayCodes codes_;
   std::vector<Shelf> shelves_;
   std::mutex mutex_;

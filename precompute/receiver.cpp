@@ -71,6 +71,11 @@ std::uint64_t Receiver::key() const {
 }
 
 std::uint64_t Receiver::identity() const {
+  if (identity_ == 0) identity_ = make_identity();
+  return identity_;
+}
+
+std::uint64_t Receiver::make_identity() const {
   std::uint64_t identity = mix(key(), walled() ? 1 : 0);
   const auto add = [&](float a, float b) {
     identity =

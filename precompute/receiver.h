@@ -40,7 +40,7 @@ class Receiver {
   /// The same place has the same key, whatever else is in the scene: seeds come from it.
   std::uint64_t key() const;
   /// The key, and everything else that its rays start from: with the same identity (and the same walls
-  /// nearby, where it is walled) they are the same rays.
+  /// nearby, where it is walled) they are the same rays. Not thread-safe.
   std::uint64_t identity() const;
   /// Whether a wall may run through it.
   bool walled() const { return !views_.empty(); }
@@ -54,7 +54,9 @@ class Receiver {
   /// Whether the middle sees the corners of a patch, so that no wall cuts it.
   bool open(const Geometry& geometry, const RayCaster& caster, std::uint32_t patch) const;
   enum class View : std::uint8_t { unknown, open, cut };
-  mutable std::vector<View> views_;  ///< per patch, once somebody asks; empty: all are open
+  std::uint64_t make_identity() const;
+  mutable std::vector<View> views_;     ///< per patch, once somebody asks; empty: all are open
+  mutable std::uint64_t identity_ = 0;  ///< once somebody asks
 };
 
 }  // namespace relume

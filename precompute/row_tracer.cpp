@@ -9,6 +9,7 @@
 
 #include "core/quantities.h"
 #include "precompute/packet_lanes.h"
+#include "precompute/ray_recall.h"
 
 namespace relume {
 namespace {
@@ -60,6 +61,13 @@ RowTracer::RowTracer(const RowScene& scene)
   direction_sums_.assign(sender_count(scene), glm::dvec3(0.0));
   emitter_moments_.assign(emitter_sums_.size(), glm::dvec3(0.0));
   area_moments_ = emitter_moments_;
+}
+
+void RowTracer::expect(std::span<const Receiver> receivers) {
+  if (scene_.memory == nullptr || scene_.memory->kept == nullptr) return;
+  expected_.clear();
+  for (const Receiver& receiver : receivers) expected_.push_back(receiver.identity());
+  scene_.memory->kept->fetch(expected_);
 }
 
 TracedRow RowTracer::trace(const Receiver& receiver, const SobolPoints& points, const PointRange& range) {
@@ -238,20 +246,24 @@ FormFactorRow RowTracer::finish_row(const Totals& totals) {
   const std::uint32_t counted = totals.arrived - totals.arrived_at_emitters;
   const RowScales scales =
       close_row(emitted, totals.traced > 0 ? double(counted) / totals.traced : 0.0, row_sum);
-  row.senders.reserve(tally_.touched.size());
-  row.values.reserve(row.senders.capacity());
+  row.senders.resize(tally_.touched.size());
+  row.values.resize(row.senders.size());
   const bool any_emitters = !scene_.emitters.list.empty();
+  const double rays = std::max(1u, totals.traced);
+  // In local variables: what is written might be anything.
+  const std::size_t senders = sender_count(scene_);
+  std::uint32_t *const counts = tally_.counts.data(), *sender_out = row.senders.data();
+  float* value_out = row.values.data();
   tally_.touched.drain([&](std::uint32_t sender) {
-    if (sender >= sender_count(scene_)) return;
-    double value = tally_.counts[sender] * scales.counted / std::max(1u, totals.traced);
+    if (sender >= senders) return;
+    double value = std::exchange(counts[sender], 0u) * scales.counted / rays;
     const std::uint32_t emitter =
         any_emitters && sender < scene_.cluster_count ? scene_.emitters.of(sender) : kNone;
     if (emitter != kNone) value += emitter_sums_[emitter] * scales.emitted;
-    row.senders.push_back(sender);
-    row.values.push_back(float(value));
+    *sender_out++ = sender, *value_out++ = float(value);
     if (scene_.directional) row.moments.push_back(finish_moment(sender, emitter, scales, totals.traced));
-    tally_.counts[sender] = 0;
   });
+  row.senders.resize(std::size_t(sender_out - row.senders.data())), row.values.resize(row.senders.size());
   std::fill(emitter_sums_.begin(), emitter_sums_.end(), 0.0);
   std::fill(emitter_moments_.begin(), emitter_moments_.end(), glm::dvec3(0.0));
   return row;

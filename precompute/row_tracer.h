@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "precompute/emitter_connections.h"
@@ -72,6 +73,9 @@ class RowTracer {
   /// the rays measured.
   TracedRow trace(const Receiver& receiver, const SobolPoints& points, const PointRange& range);
 
+  /// These will be traced next: fetches what is known of their rays, which is faster for several at once.
+  void expect(std::span<const Receiver> receivers);
+
   std::uint64_t rays() const { return rays_; }
   std::uint64_t occlusion_rays() const { return occlusion_rays_; }
   const RaySight& sight() const { return sight_; }
@@ -117,6 +121,7 @@ class RowTracer {
   std::vector<glm::dvec3> direction_sums_;   ///< per sender
   std::vector<glm::dvec3> emitter_moments_;  ///< per emitter
   std::vector<glm::dvec3> area_moments_;     ///< per emitter
+  std::vector<std::uint64_t> expected_;  // its memory serves again
   std::uint64_t rays_ = 0;
   std::uint64_t occlusion_rays_ = 0;
 };

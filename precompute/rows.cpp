@@ -63,6 +63,7 @@ std::vector<TracedRow> trace_neighbours(std::span<const Receiver> receivers, con
                                         const RayLimits& limits, Worker& worker, RowRays& rays) {
   std::vector<TracedRow> rows;
   rays = {limits.rays};
+  worker.tracer.expect(receivers);
   if (limits.exchange <= 0.0) {
     for (const Receiver& receiver : receivers)
       rows.push_back(worker.tracer.trace(receiver, points, {0, limits.rays}));
@@ -238,6 +239,7 @@ Result<SurveyRows> trace_survey(const RowScene& scene, const std::vector<Chart>&
       const std::uint32_t half = std::max(kSurveyElementRays, share) / 2;
       Worker& worker = workers.local();
       const auto receivers = receivers_of(scene, {charts, system, none}, members[c]);
+      worker.tracer.expect(receivers);
       for (const std::uint32_t begin : {0u, half}) {
         std::vector<TracedRow> traced;
         for (const Receiver& receiver : receivers)
