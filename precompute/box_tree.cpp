@@ -11,13 +11,18 @@ Box join(const Box& a, const Box& b) {
   return {glm::min(a.lower, b.lower), glm::max(a.upper, b.upper)};
 }
 
+Box join(std::span<const Box> boxes) {
+  Box all = boxes.front();
+  for (const Box& box : boxes) all = join(all, box);
+  return all;
+}
+
 BoxTree::BoxTree(std::vector<Box> boxes) : boxes_(std::move(boxes)) {
   if (!boxes_.empty()) build(0, 0, std::uint32_t(boxes_.size()));
 }
 
 void BoxTree::build(std::uint32_t node, std::uint32_t first, std::uint32_t last) {
-  Box bounds = boxes_[first];
-  for (std::uint32_t i = first + 1; i < last; ++i) bounds = join(bounds, boxes_[i]);
+  const Box bounds = join(std::span<const Box>(boxes_).subspan(first, last - first));
   if (node >= nodes_.size()) nodes_.resize(node + 1);
   nodes_[node] = bounds;
   if (last - first <= kLeaf) return;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 namespace relume {
@@ -18,6 +19,8 @@ struct Box {
 
 /// Of both.
 Box join(const Box& a, const Box& b);
+/// Of all of them; there must be some.
+Box join(std::span<const Box> boxes);
 
 /// Tells whether anything of a set of boxes is near.
 class BoxTree {
@@ -26,8 +29,6 @@ class BoxTree {
   explicit BoxTree(std::vector<Box> boxes);
 
   bool empty() const { return nodes_.empty(); }
-  /// Of all; there must be some.
-  const Box& bounds() const { return nodes_.front(); }
   /// Whether `box` meets one of them.
   bool meets(const Box& box) const { return !empty() && meets(0, 0, std::uint32_t(boxes_.size()), box); }
 

@@ -248,20 +248,14 @@ std::uint32_t KeptRays::blocked(const RayPacket& packet, std::uint32_t lanes,
   if (!change_.added() || lanes == 0) return 0;
   RayPacket test = packet;
   test.far.fill(std::numeric_limits<float>::infinity());
-  choose_lanes(lanes, test);
-  change_.added()->closest_hits(test, RaySpread::narrow);
-  std::uint32_t blocked = 0;
   for (std::size_t lane = 0; lane < std::size_t(kPacketSize); ++lane) {
-    if ((lanes >> lane & 1u) == 0 || test.triangle[lane] == kNoTriangle) continue;
-    float reach = std::numeric_limits<float>::infinity();
-    if (codes_.is_element(codes[lane])) {
-      const Ball& ball = balls_[codes[lane] - codes_.first_element()];
-      const glm::vec3 origin(packet.origin_x[lane], packet.origin_y[lane], packet.origin_z[lane]);
-      reach = glm::length(ball.middle - origin) + ball.radius + change_.margin();
-    }
-    if (test.far[lane] <= reach) blocked |= 1u << lane;
+    if (!codes_.is_element(codes[lane])) continue;
+    const Ball& ball = balls_[codes[lane] - codes_.first_element()];
+    const glm::vec3 origin(packet.origin_x[lane], packet.origin_y[lane], packet.origin_z[lane]);
+    test.far[lane] = glm::length(ball.middle - origin) + ball.radius + change_.margin();
   }
-  return blocked;
+  choose_lanes(lanes, test);
+  return change_.added()->occluded(test);
 }
 
 std::uint32_t KeptRays::newly_hidden(const RayPacket& packet, std::uint32_t lanes) const {

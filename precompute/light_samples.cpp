@@ -19,11 +19,14 @@
 namespace relume {
 namespace {
 
-/// Per element, per patch.
-using OwnPatches = std::vector<std::vector<bool>>;
+/// Of one element.
+struct OwnPatches {
+  std::size_t count = 0;  ///< patches
+  std::vector<bool> own;  ///< of each; empty: all are
+};
 
-/// Of an element that may have patches behind walls. Where all are its own, none of the answers is kept: it
-/// will be known that they were.
+/// Of an element that may have patches behind walls; empty where all are its own. Then none of the answers is
+/// kept: it will be known that they were.
 std::vector<bool> ask_patches(const SurfaceElement& element, const std::vector<LightPatch>& patches,
                               Views& views) {
   const SurfacePoint middle{element.position, element.normal};
@@ -34,41 +37,40 @@ std::vector<bool> ask_patches(const SurfaceElement& element, const std::vector<L
     points.push_back({glm::vec3(patch_point(patch)), glm::vec3(patch.normal)});
     own.push_back(views.ask(middle, points.back(), rays));
   }
-  if (std::all_of(own.begin(), own.end(), [](bool owned) { return owned; })) return own;
+  if (std::all_of(own.begin(), own.end(), [](bool owned) { return owned; })) return {};
   for (std::size_t p = 0; p < points.size(); ++p) views.keep(middle, points[p], own[p]);
   return own;
 }
 
-OwnPatches find_own_patches(const Model& model, const System& system, Views& views,
-                            std::vector<std::uint8_t>& whole) {
-  OwnPatches own(system.elements.size());
-  whole.resize(own.size(), 0);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, own.size(), 64), [&](const auto& range) {
+std::vector<OwnPatches> find_own_patches(const Model& model, const System& system, Views& views,
+                                         std::vector<std::uint8_t>& whole) {
+  std::vector<OwnPatches> patches(system.elements.size());
+  whole.resize(patches.size(), 0);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, patches.size(), 64), [&](const auto& range) {
     for (std::size_t e = range.begin(); e < range.end(); ++e) {
       const SurfaceElement& element = system.elements[e];
-      if (whole[e] != 0) {
-        own[e].assign(count_element_patches(model, system, element), true);
-        continue;
-      }
-      own[e] = ask_patches(element, element_patches(model, system, element), views);
-      whole[e] = std::all_of(own[e].begin(), own[e].end(), [](bool owned) { return owned; }) ? 1 : 0;
+      patches[e].count = count_element_patches(model, system, element);
+      if (whole[e] == 0) patches[e].own = ask_patches(element, element_patches(model, system, element), views);
+      whole[e] = patches[e].own.empty() ? 1 : 0;
     }
   });
-  return own;
+  return patches;
 }
 
 /// Empty where all belong.
-std::vector<std::uint32_t> as_bits(const OwnPatches& own) {
-  std::vector<std::uint32_t> words;
+std::vector<std::uint32_t> as_bits(const std::vector<OwnPatches>& patches) {
   std::size_t count = 0;
+  for (const OwnPatches& element : patches) count += element.count;
+  std::vector<std::uint32_t> words((count + 31) / 32, 0xffffffffu);
+  if (count % 32 != 0) words.back() >>= 32 - count % 32;
   bool all = true;
-  for (const std::vector<bool>& element : own) {
-    for (const bool owned : element) {
-      if (count % 32 == 0) words.push_back(0);
-      if (owned) words.back() |= 1u << count % 32;
-      all = all && owned;
-      ++count;
+  std::size_t first = 0;
+  for (const OwnPatches& element : patches) {
+    for (std::size_t p = 0; p < element.own.size(); ++p) {
+      if (!element.own[p]) words[(first + p) / 32] &= ~(1u << (first + p) % 32);
+      all = all && element.own[p];
     }
+    first += element.count;
   }
   return all ? std::vector<std::uint32_t>() : words;
 }

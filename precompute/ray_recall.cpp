@@ -219,7 +219,7 @@ void RayRecall::count_old(std::span<const std::uint32_t> numbers, std::uint32_t 
         ray < rays ? met[std::min(load_code(old_codes, old_width, ray), last)] : met[last];
     if (now.seen == open) [[unlikely]] {
       tally.open.push_back(first + i);
-    } else if (faces_changes && clear_senders[now.seen] != clear && doubtful(now)) [[unlikely]] {
+    } else if (faces_changes && clear_senders[now.seen] != clear && doubtful(now.seen, now.code)) [[unlikely]] {
       tally.doubtful.push_back(first + i), tally.doubts.push_back(now.seen);
     } else {
       ++counts[now.seen];
@@ -232,8 +232,8 @@ void RayRecall::count_old(std::span<const std::uint32_t> numbers, std::uint32_t 
 }
 
 /// Whether something new may stand before what the receiver saw. Kept out of the loop that calls it.
-[[gnu::noinline]] bool RayRecall::doubtful(const KeptSenders::Met& met) {
-  return !stands_clear_of(met.seen) && !stands_clear(met.code);
+[[gnu::noinline]] bool RayRecall::doubtful(std::uint32_t seen, std::uint32_t code) {
+  return !stands_clear_of(seen) && !stands_clear(code);
 }
 
 std::uint32_t RayRecall::confirm(const RayNumbers& numbers, std::uint32_t lanes, const RayPacket& rays) {

@@ -68,7 +68,7 @@ class RayRecall {
   void know_old(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally);
   template <std::uint32_t kWidth>
   void count_old(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally);
-  bool doubtful(const KeptSenders::Met& met);
+  bool doubtful(std::uint32_t seen, std::uint32_t code);
   void look_from(const Ball& origins);
   bool stands_clear_from_vantage(std::uint32_t seen) const;
   bool stands_clear_of(std::uint32_t seen);

@@ -119,13 +119,10 @@ Result<void> SceneChange::cast(const Geometry& geometry) {
   added_ = std::move(*added), removed_ = std::move(*removed);
   std::vector<Box> boxes;
   for (const auto t : added_triangles_) boxes.push_back(box_of(geometry.positions, geometry.triangles[t]));
-  if (!boxes.empty()) {
-    added_bounds_ = BoxTree(boxes).bounds();
-  }
+  if (!boxes.empty()) added_bounds_ = join(boxes);
   const std::size_t added_boxes = boxes.size();
   for (const auto t : removed_triangles_) boxes.push_back(box_of(old_.positions, old_.triangles[t]));
-  if (boxes.size() > added_boxes)
-    removed_bounds_ = BoxTree({boxes.begin() + std::ptrdiff_t(added_boxes), boxes.end()}).bounds();
+  if (boxes.size() > added_boxes) removed_bounds_ = join(std::span<const Box>(boxes).subspan(added_boxes));
   boxes_ = BoxTree(std::move(boxes));
   return {};
 }
@@ -166,7 +163,7 @@ std::vector<Box> SceneChange::changed_boxes(const Geometry& geometry, const RayC
   for (const std::uint32_t t : new_triangles_) {
     if (t != kNone && !same[t]) boxes.push_back(box_of(geometry.positions, geometry.triangles[t]));
   }
-  if (boxes.size() > kMostBoxes) boxes = {BoxTree(boxes).bounds()};
+  if (boxes.size() > kMostBoxes) boxes = {join(boxes)};
   if (added_) boxes.push_back(added_bounds_);
   if (removed_) boxes.push_back(removed_bounds_);
   for (Box& box : boxes) box.lower -= margin_, box.upper += margin_;
