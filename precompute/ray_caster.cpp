@@ -273,8 +273,8 @@ void RayCaster::settle(RayPacket& packet, std::uint32_t lanes) const {
     settle_ties(scene_->scene.get(), ties, scene_->largest, scene_->ties, AlphaTest::coin, packet);
 }
 
-std::uint32_t RayCaster::occluded(RayPacket& packet) const {
-  QueryContext query = start_query(AlphaTest::coin);
+std::uint32_t RayCaster::occluded(RayPacket& packet, AlphaTest alpha) const {
+  QueryContext query = start_query(alpha);
   const LaneChoice lanes = lanes_with_rays(packet);
   rtcOccluded8(lanes.data(), scene_->scene.get(), &query.base, reinterpret_cast<RTCRay8*>(&packet));
   std::uint32_t hidden = 0;

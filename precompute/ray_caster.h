@@ -80,9 +80,9 @@ class RayCaster {
   void closest_hits(RayPacket& packet, RaySpread spread = RaySpread::wide,
                     AlphaTest alpha = AlphaTest::coin) const;
 
-  /// Bit l: whether lane l meets anything between near and far, by coin. Distances as in closest_hits; `far`
-  /// is used up. Thread-safe.
-  std::uint32_t occluded(RayPacket& packet) const;
+  /// Bit l: whether lane l meets anything between near and far. Distances as in closest_hits; `far` is used
+  /// up. Thread-safe.
+  std::uint32_t occluded(RayPacket& packet, AlphaTest alpha = AlphaTest::coin) const;
 
   /// Whether anything lies between a and b, both of them included; AlphaTest::solid. Thread-safe.
   bool occluded(const glm::vec3& a, const glm::vec3& b) const;

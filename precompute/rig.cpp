@@ -21,14 +21,10 @@ constexpr double kMostlyOpen = 0.5;
 constexpr double kSunLux = 50000.0;
 constexpr double kSkyRadiance = 1000.0;
 
-struct Met {
-  float distance = std::numeric_limits<float>::infinity();
-  bool escaped = true;
-  bool back_face = false;
-};
-
-void look(const Geometry& geometry, const RayCaster& caster, const glm::vec3& from,
-          std::span<const glm::vec3> directions, std::span<Met> met) {
+/// How many rays from a point meet nothing.
+std::size_t count_escapes(const RayCaster& caster, const glm::vec3& from,
+                          std::span<const glm::vec3> directions) {
+  std::size_t escaped = 0;
   for (std::size_t first = 0; first < directions.size(); first += kPacketSize) {
     RayPacket packet{};
     packet.far.fill(-1.0f);
@@ -41,15 +37,9 @@ void look(const Geometry& geometry, const RayCaster& caster, const glm::vec3& fr
       packet.far[l] = std::numeric_limits<float>::infinity();
     }
     caster.closest_hits(packet);
-    for (std::size_t l = 0; l < lanes; ++l) {
-      Met& m = met[first + l];
-      m.escaped = packet.triangle[l] == kNoTriangle;
-      if (m.escaped) continue;
-      m.distance = packet.far[l];
-      m.back_face = !seen_surface(geometry, {packet.triangle[l], packet.u[l], packet.v[l], Side::front},
-                                  directions[first + l]);
-    }
+    for (std::size_t l = 0; l < lanes; ++l) escaped += packet.triangle[l] == kNoTriangle ? 1u : 0u;
   }
+  return escaped;
 }
 
 /// Enclosed points that can be reached from `seed` through enclosed neighbours with free ways between them.
@@ -77,25 +67,43 @@ std::vector<std::size_t> flood(const EnclosedGrid& grid, const RayCaster& caster
   return room;
 }
 
+/// How far it is straight up, or down, from points of the grid: infinity where nothing is.
+std::vector<float> vertical_distances(const EnclosedGrid& grid, const RayCaster& caster,
+                                      const std::vector<std::size_t>& points, float up) {
+  std::vector<float> distances(points.size());
+  for (std::size_t first = 0; first < points.size(); first += kPacketSize) {
+    RayPacket packet{};
+    packet.direction_y.fill(up);
+    packet.far.fill(-1.0f);
+    const std::size_t lanes = std::min<std::size_t>(kPacketSize, points.size() - first);
+    for (std::size_t l = 0; l < lanes; ++l) {
+      const glm::vec3 from = grid.point(points[first + l]);
+      packet.origin_x[l] = from.x, packet.origin_y[l] = from.y, packet.origin_z[l] = from.z;
+      packet.far[l] = std::numeric_limits<float>::infinity();
+    }
+    caster.closest_hits(packet, RaySpread::narrow);
+    std::copy_n(packet.far.begin(), lanes, distances.begin() + std::ptrdiff_t(first));
+  }
+  return distances;
+}
+
 /// Places for a light under the highest ceiling over the points of a room.
-std::vector<glm::vec3> light_places(const Geometry& geometry, const RayCaster& caster,
-                                    const EnclosedGrid& grid, const std::vector<std::size_t>& room) {
-  constexpr std::array<glm::vec3, 2> kUpDown{glm::vec3(0, 1, 0), glm::vec3(0, -1, 0)};
+std::vector<glm::vec3> light_places(const RayCaster& caster, const EnclosedGrid& grid,
+                                    const std::vector<std::size_t>& room) {
   struct Place {
     float ceiling;
     glm::vec3 light;
   };
   std::vector<Place> places;
   float highest = std::numeric_limits<float>::lowest();
-  for (const auto i : room) {
-    const glm::vec3 p = grid.point(i);
-    std::array<Met, 2> met;
-    look(geometry, caster, p, kUpDown, met);
-    if (met[0].escaped) continue;
-    const float below = met[1].escaped ? grid.grid.step : met[1].distance;
-    const float height = met[0].distance + below;
+  const std::vector<float> above = vertical_distances(grid, caster, room, 1.0f),
+                           below = vertical_distances(grid, caster, room, -1.0f);
+  for (std::size_t i = 0; i < room.size(); ++i) {
+    if (std::isinf(above[i])) continue;
+    const glm::vec3 p = grid.point(room[i]);
+    const float height = above[i] + (std::isinf(below[i]) ? grid.grid.step : below[i]);
     const float drop = height < 2.0f * kBelowCeiling ? 0.5f * height : kBelowCeiling;
-    const float ceiling = p.y + met[0].distance;
+    const float ceiling = p.y + above[i];
     places.push_back({ceiling, {p.x, ceiling - drop, p.z}});
     highest = std::max(highest, ceiling);
   }
@@ -104,6 +112,27 @@ std::vector<glm::vec3> light_places(const Geometry& geometry, const RayCaster& c
     if (place.ceiling >= highest - 0.5f * grid.grid.step) lights.push_back(place.light);
   }
   return lights;
+}
+
+/// Which points of the grid a place sees.
+std::vector<bool> seen_from(const EnclosedGrid& grid, const RayCaster& caster, const glm::vec3& place,
+                            const std::vector<std::size_t>& points) {
+  std::vector<bool> seen(points.size());
+  for (std::size_t first = 0; first < points.size(); first += kPacketSize) {
+    RayPacket packet{};
+    packet.direction_x.fill(1.0f);
+    packet.far.fill(-1.0f);
+    const std::size_t lanes = std::min<std::size_t>(kPacketSize, points.size() - first);
+    for (std::size_t l = 0; l < lanes; ++l) {
+      const glm::vec3 way = grid.point(points[first + l]) - place;
+      packet.origin_x[l] = place.x, packet.origin_y[l] = place.y, packet.origin_z[l] = place.z;
+      packet.direction_x[l] = way.x, packet.direction_y[l] = way.y, packet.direction_z[l] = way.z;
+      packet.far[l] = 1.0f;
+    }
+    const std::uint32_t hidden = caster.occluded(packet, AlphaTest::solid);
+    for (std::size_t l = 0; l < lanes; ++l) seen[first + l] = (hidden >> l & 1u) == 0;
+  }
+  return seen;
 }
 
 /// Of the places that see nearly as much of the room as the best, the one nearest to its middle.
@@ -118,21 +147,27 @@ glm::vec3 best_place(const EnclosedGrid& grid, const RayCaster& caster, const st
                     look_step = (room.size() + kLooks - 1) / kLooks;
   struct Tried {
     glm::vec3 place;
-    std::size_t seen = 0;
     float off_centre = 0.0f;
+    std::size_t seen = 0;
   };
   std::vector<Tried> tried;
+  for (std::size_t p = 0; p < places.size(); p += place_step)
+    tried.push_back({places[p], glm::length(glm::vec2(places[p].x - middle.x, places[p].z - middle.z))});
+  std::stable_sort(tried.begin(), tried.end(),
+                   [](const Tried& a, const Tried& b) { return a.off_centre < b.off_centre; });
+  std::vector<std::size_t> looked_at;
+  for (std::size_t i = 0; i < room.size(); i += look_step) looked_at.push_back(room[i]);
   std::size_t most = 0;
-  for (std::size_t p = 0; p < places.size(); p += place_step) {
-    Tried t{places[p], 0, glm::length(glm::vec2(places[p].x - middle.x, places[p].z - middle.z))};
-    for (std::size_t i = 0; i < room.size(); i += look_step)
-      t.seen += caster.occluded(places[p], grid.point(room[i])) ? 0u : 1u;
+  for (Tried& t : tried) {
+    const std::vector<bool> seen = seen_from(grid, caster, t.place, looked_at);
+    t.seen = std::size_t(std::count(seen.begin(), seen.end(), true));
     most = std::max(most, t.seen);
-    tried.push_back(t);
+    // Whatever the others see, the nearest one sees nearly as much.
+    if (double(tried.front().seen) >= kNearly * double(looked_at.size())) break;
   }
-  std::erase_if(tried, [&](const Tried& t) { return double(t.seen) < kNearly * double(most); });
-  const auto nearer = [](const Tried& a, const Tried& b) { return a.off_centre < b.off_centre; };
-  return std::min_element(tried.begin(), tried.end(), nearer)->place;
+  return std::find_if(tried.begin(), tried.end(),
+                      [&](const Tried& t) { return double(t.seen) >= kNearly * double(most); })
+      ->place;
 }
 
 /// Share of the surface that looks out into the open: more than kMaxEscapes of its hemisphere sees no
@@ -151,12 +186,10 @@ double open_share(const Geometry& geometry, const RayCaster& caster) {
         const glm::vec3 d = sphere_direction(i, kLookDirections);
         directions[std::size_t(i)] = glm::dot(d, geometry.normals[t]) < 0.0f ? -d : d;
       }
-      std::array<Met, kLookDirections> met;
-      look(geometry, caster,
-           geometry.point(t, 1.0f / 3.0f, 1.0f / 3.0f) + geometry.normals[t] * geometry.offset, directions,
-           met);
-      const auto escaped = std::count_if(met.begin(), met.end(), [](const Met& m) { return m.escaped; });
-      open += escaped > kMaxEscapes * kLookDirections ? 1.0 / kPoints : 0.0;
+      const glm::vec3 from =
+          geometry.point(t, 1.0f / 3.0f, 1.0f / 3.0f) + geometry.normals[t] * geometry.offset;
+      const std::size_t escaped = count_escapes(caster, from, directions);
+      open += double(escaped) > kMaxEscapes * kLookDirections ? 1.0 / kPoints : 0.0;
     }
   }
   return open;
@@ -190,10 +223,11 @@ std::vector<Light> room_lights(const Geometry& geometry, const RayCaster& caster
     // What one light does not see, round a corner, is a room to itself.
     while (room.size() >= kMinRoomPoints && double(room.size()) >= kMinRoomShare * double(enclosed) &&
            lights.size() < kMaxLights) {
-      const glm::vec3 light = best_place(grid, caster, room, light_places(geometry, caster, grid, room));
+      const glm::vec3 light = best_place(grid, caster, room, light_places(caster, grid, room));
       lights.push_back(rig_light(geometry.origin + glm::dvec3(light), lights.size() + 1));
-      if (std::erase_if(room, [&](std::size_t p) { return !caster.occluded(light, grid.point(p)); }) == 0)
-        break;
+      const std::vector<bool> seen = seen_from(grid, caster, light, room);
+      std::size_t next = 0;
+      if (std::erase_if(room, [&](std::size_t) { return seen[next++]; }) == 0) break;
     }
   }
   return lights;
