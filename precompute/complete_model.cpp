@@ -23,7 +23,7 @@ void add_sensors(const ModelParts& parts, const PrecomputeOptions& options, Mode
 }
 
 void sample_light(const ModelParts& parts, const PrecomputeOptions& options, const RayCaster& caster,
-                          RowsKeeper* keeper, Model& model) {
+                  RowsKeeper* keeper, Model& model) {
   WholeElements whole;
   if (keeper != nullptr) whole = keeper->known_whole(parts.element_orders);
   Views views(parts.geometry, caster, keeper != nullptr ? keeper->change() : nullptr, options.keep_rows);

@@ -122,10 +122,9 @@ void KeptRays::translate(const Surfaces& surfaces, const RayCaster& caster, cons
   std::vector<std::uint32_t> old_of(keys.size());
   std::transform(keys.begin(), keys.end(), old_of.begin(),
                  [&](std::uint64_t key) { return change_.old_element(key); });
-  old_elements_ = unchanged_elements(surfaces, lookup, old_of, settled,
-                                     [&](std::uint32_t e, float reach) {
-                                       return change_.disturbed(balls_[e].middle, balls_[e].radius + reach);
-                                     });
+  old_elements_ = unchanged_elements(surfaces, lookup, old_of, settled, [&](std::uint32_t e, float reach) {
+    return change_.disturbed(balls_[e].middle, balls_[e].radius + reach);
+  });
   for (std::uint32_t e = 0; e < old_elements_.size(); ++e) {
     if (old_elements_[e] != kNone) new_codes_[old_codes_.element(old_elements_[e])] = codes_.element(e);
   }

@@ -50,7 +50,8 @@ std::vector<OwnPatches> find_own_patches(const Model& model, const System& syste
     for (std::size_t e = range.begin(); e < range.end(); ++e) {
       const SurfaceElement& element = system.elements[e];
       patches[e].count = count_element_patches(model, system, element);
-      if (whole[e] == 0) patches[e].own = ask_patches(element, element_patches(model, system, element), views);
+      if (whole[e] == 0)
+        patches[e].own = ask_patches(element, element_patches(model, system, element), views);
       whole[e] = patches[e].own.empty() ? 1 : 0;
     }
   });

@@ -21,7 +21,7 @@ using WholeElements = std::vector<std::vector<std::uint8_t>>;
 /// occluders, `views` asks them. Elements that are whole, as far as is known beforehand (`whole`, or
 /// nothing), are not asked; afterwards it says which are.
 void add_light_samples(const Geometry& geometry, const RayCaster& caster, Model& model, Views& views,
-                               WholeElements& whole);
+                       WholeElements& whole);
 
 /// The same for a model by itself, and the tree. Fails with out_of_memory.
 Result<void> add_light_samples(Model& model);

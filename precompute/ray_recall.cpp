@@ -67,7 +67,8 @@ void RayRecall::make_room(std::uint32_t rays) {
     known_->codes = chunks_->take(std::max(bytes, 2 * old.size()));
     std::copy_n(old.begin(), before, known_->codes.begin());
   }
-  std::fill(known_->codes.begin() + std::ptrdiff_t(before), known_->codes.begin() + std::ptrdiff_t(bytes), std::byte{0});
+  std::fill(known_->codes.begin() + std::ptrdiff_t(before), known_->codes.begin() + std::ptrdiff_t(bytes),
+            std::byte{0});
   known_->rays = rays;
 }
 
@@ -219,7 +220,8 @@ void RayRecall::count_old(std::span<const std::uint32_t> numbers, std::uint32_t 
         ray < rays ? met[std::min(load_code(old_codes, old_width, ray), last)] : met[last];
     if (now.seen == open) [[unlikely]] {
       tally.open.push_back(first + i);
-    } else if (faces_changes && clear_senders[now.seen] != clear && doubtful(now.seen, now.code)) [[unlikely]] {
+    } else if (faces_changes && clear_senders[now.seen] != clear && doubtful(now.seen, now.code))
+        [[unlikely]] {
       tally.doubtful.push_back(first + i), tally.doubts.push_back(now.seen);
     } else {
       ++counts[now.seen];

@@ -115,8 +115,8 @@ std::vector<glm::vec3> light_places(const RayCaster& caster, const EnclosedGrid&
 }
 
 /// Which points of the grid a place sees.
-std::vector<bool> seen_from(const EnclosedGrid& grid, const RayCaster& caster, const glm::vec3& place,
-                            const std::vector<std::size_t>& points) {
+std::vector<bool> points_seen(const EnclosedGrid& grid, const RayCaster& caster, const glm::vec3& place,
+                              const std::vector<std::size_t>& points) {
   std::vector<bool> seen(points.size());
   for (std::size_t first = 0; first < points.size(); first += kPacketSize) {
     RayPacket packet{};
@@ -159,7 +159,7 @@ glm::vec3 best_place(const EnclosedGrid& grid, const RayCaster& caster, const st
   for (std::size_t i = 0; i < room.size(); i += look_step) looked_at.push_back(room[i]);
   std::size_t most = 0;
   for (Tried& t : tried) {
-    const std::vector<bool> seen = seen_from(grid, caster, t.place, looked_at);
+    const std::vector<bool> seen = points_seen(grid, caster, t.place, looked_at);
     t.seen = std::size_t(std::count(seen.begin(), seen.end(), true));
     most = std::max(most, t.seen);
     // Whatever the others see, the nearest one sees nearly as much.
@@ -225,7 +225,7 @@ std::vector<Light> room_lights(const Geometry& geometry, const RayCaster& caster
            lights.size() < kMaxLights) {
       const glm::vec3 light = best_place(grid, caster, room, light_places(caster, grid, room));
       lights.push_back(rig_light(geometry.origin + glm::dvec3(light), lights.size() + 1));
-      const std::vector<bool> seen = seen_from(grid, caster, light, room);
+      const std::vector<bool> seen = points_seen(grid, caster, light, room);
       std::size_t next = 0;
       if (std::erase_if(room, [&](std::size_t) { return seen[next++]; }) == 0) break;
     }

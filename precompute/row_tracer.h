@@ -121,7 +121,7 @@ class RowTracer {
   std::vector<glm::dvec3> direction_sums_;   ///< per sender
   std::vector<glm::dvec3> emitter_moments_;  ///< per emitter
   std::vector<glm::dvec3> area_moments_;     ///< per emitter
-  std::vector<std::uint64_t> expected_;  // its memory serves again
+  std::vector<std::uint64_t> expected_;      // its memory serves again
   std::uint64_t rays_ = 0;
   std::uint64_t occlusion_rays_ = 0;
 };

@@ -89,7 +89,8 @@ Result<SceneChange> SceneChange::find(const RowsFile& old, const std::string& na
 void SceneChange::match(const Geometry& geometry, const Scene& scene, std::span<const std::uint64_t> keys) {
   const KeyIndex old_keys(old_.triangle_keys);
   std::vector<std::uint32_t> old_of(keys.size());
-  std::transform(keys.begin(), keys.end(), old_of.begin(), [&](std::uint64_t key) { return old_keys.find(key); });
+  std::transform(keys.begin(), keys.end(), old_of.begin(),
+                 [&](std::uint64_t key) { return old_keys.find(key); });
   // Hits at equal distance go to the lowest triangle: those that changed places are new ones.
   const std::vector<bool> unchanged = ascending(old_of);
   std::set<std::string> nodes;

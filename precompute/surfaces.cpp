@@ -58,8 +58,8 @@ void choose_sizes(const PrecomputeOptions& options, const Geometry& geometry, Pr
 }
 
 Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
-                              const Geometry& geometry, std::vector<Chart> charts,
-                              PrecomputeReport& report, const EarlierSurfaces* earlier) {
+                              const Geometry& geometry, std::vector<Chart> charts, PrecomputeReport& report,
+                              const EarlierSurfaces* earlier) {
   Surfaces surfaces{geometry, {}, {}, {}, {}, {}};
   surfaces.charts = std::move(charts);
   const SystemLimits limits{options.system_lumels, report.cluster_size, expected_row_entries(options)};
