@@ -130,6 +130,31 @@ std::vector<double> random_row(std::mt19937_64& random, std::size_t length, doub
   return values;
 }
 
+TEST(BlockMatrix, SummaryHasTheLargestSumOfDecodedRows) {
+  std::mt19937_64 random(5);
+  constexpr std::size_t kColumns = 300;
+  std::vector<std::uint16_t> columns(kColumns);
+  std::iota(columns.begin(), columns.end(), std::uint16_t{0});
+  BlockMatrixBuilder builder(kColumns, ValueCodec::unorm16);
+  // Some of them are as good as equal, one is empty.
+  for (int row = 0; row < 200; ++row) {
+    const std::vector<double> values = random_row(random, kColumns, row % 3 == 0 ? 1.0 : 0.004 * row);
+    builder.append_row(columns, std::span<const double>(values));
+  }
+  builder.append_row({}, std::span<const double>());
+  const BlockMatrix matrix = std::move(builder).finish();
+  const CsrMatrix csr = decode(matrix);
+  double largest = 0.0;
+  for (std::size_t row = 0; row < csr.rows; ++row) {
+    const auto begin = csr.values.begin();
+    largest = std::max(largest, std::accumulate(begin + std::ptrdiff_t(csr.row_offsets[row]),
+                                                begin + std::ptrdiff_t(csr.row_offsets[row + 1]), 0.0));
+  }
+  const MatrixSummary summary = summarise(matrix);
+  EXPECT_EQ(summary.max_row_sum, largest);
+  EXPECT_EQ(summary.nonzeros, csr.values.size());
+}
+
 std::vector<std::uint16_t> first_columns(std::size_t count) {
   std::vector<std::uint16_t> columns(count);
   std::iota(columns.begin(), columns.end(), std::uint16_t{0});
