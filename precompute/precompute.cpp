@@ -271,11 +271,9 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   ScenePart scene_part(scene, geometry);
   // What all else waits for comes last: the calling thread begins with it.
   tbb::parallel_invoke([&] { charts = make_charts(scene, geometry, report.texel_size, report.warnings); },
-                       [&] {
-                         scene_part.start();
-                         caster.emplace(cast(scene, options, geometry, report, keeper));
-                       });
+                       [&] { caster.emplace(cast(scene, options, geometry, report, keeper)); });
   if (!*caster) return tl::unexpected(caster->error());
+  scene_part.start();  // not before: Embree may hang where devices are made and released side by side
   const auto earlier = keeper ? keeper->earlier() : std::nullopt;
   scene_part.light(**caster, keeper ? keeper->earlier_looks(geometry, **caster) : std::nullopt);
   auto surfaces = cut_surfaces(scene, options, **caster, geometry, std::move(charts), report,
