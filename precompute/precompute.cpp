@@ -268,14 +268,13 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   std::unique_ptr<RowsKeeper> keeper;
   std::optional<Result<RayCaster>> caster;
   std::vector<Chart> charts;
-  ScenePart scene_part(scene, geometry);
   // What all else waits for comes last: the calling thread begins with it.
   tbb::parallel_invoke([&] { charts = make_charts(scene, geometry, report.texel_size, report.warnings); },
                        [&] { caster.emplace(cast(scene, options, geometry, report, keeper)); });
   if (!*caster) return tl::unexpected(caster->error());
-  scene_part.start();  // not before: Embree may hang where devices are made and released side by side
   const auto earlier = keeper ? keeper->earlier() : std::nullopt;
-  scene_part.light(**caster, keeper ? keeper->earlier_looks(geometry, **caster) : std::nullopt);
+  ScenePart scene_part(scene, geometry, **caster,
+                       keeper ? keeper->earlier_looks(geometry, **caster) : std::nullopt);
   auto surfaces = cut_surfaces(scene, options, **caster, geometry, std::move(charts), report,
                                earlier ? &*earlier : nullptr);
   if (!surfaces) return tl::unexpected(surfaces.error());

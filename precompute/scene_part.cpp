@@ -9,17 +9,22 @@
 
 namespace relume {
 
-void ScenePart::start() {
-  tasks_.run([this] {
-    auto bvh = build_occluder_bvh(geometry_.positions, geometry_.triangles, geometry_.opacity.stored());
+ScenePart::ScenePart(const Scene& scene, const Geometry& geometry, const RayCaster& caster,
+                     std::optional<EarlierLooks> earlier) {
+  tasks_.run([&] {
+    auto bvh = build_occluder_bvh(geometry.positions, geometry.triangles, geometry.opacity.stored());
     if (bvh) {
       made_.model.occluders.bvh = std::move(*bvh);
     } else {
       built_ = tl::unexpected(bvh.error());
     }
-    GeometryHash hash = geometry_hash(scene_);
+    GeometryHash hash = geometry_hash(scene);
     made_.model.nodes = std::move(hash.nodes);
     made_.model.geometry_hash = hash.total;
+  });
+  tasks_.run([&, earlier = std::move(earlier)] {
+    light_model(scene, geometry, caster, earlier ? &*earlier : nullptr, made_.model, made_.warnings,
+                &made_.looked);
   });
 }
 
@@ -28,13 +33,6 @@ ScenePart::~ScenePart() {
     tasks_.wait();
   } catch (...) {  // whoever did not ask for it goes on without
   }
-}
-
-void ScenePart::light(const RayCaster& caster, std::optional<EarlierLooks> earlier) {
-  tasks_.run([this, &caster, earlier = std::move(earlier)] {
-    light_model(scene_, geometry_, caster, earlier ? &*earlier : nullptr, made_.model, made_.warnings,
-                &made_.looked);
-  });
 }
 
 Result<const ScenePart::Made*> ScenePart::get() {

@@ -26,22 +26,18 @@ class ScenePart {
     std::vector<std::string> warnings;  ///< of lights
   };
 
-  /// Borrows both.
-  ScenePart(const Scene& scene, const Geometry& geometry) : scene_(scene), geometry_(geometry) {}
+  /// Begins with it. Borrows all but `earlier`, which may be missing. While this makes it, nobody may make or
+  /// release another caster: Embree may hang where two threads do so.
+  ScenePart(const Scene& scene, const Geometry& geometry, const RayCaster& caster,
+            std::optional<EarlierLooks> earlier);
   ScenePart(const ScenePart&) = delete;
   /// Waits.
   ~ScenePart();
 
-  /// Begins with all but the lights.
-  void start();
-  /// Begins with the lights (rig.h). Borrows the caster.
-  void light(const RayCaster& caster, std::optional<EarlierLooks> earlier);
   /// Waits; lives as long as this. Fails with out_of_memory.
   Result<const Made*> get();
 
  private:
-  const Scene& scene_;
-  const Geometry& geometry_;
   Made made_;
   Result<void> built_;
   tbb::task_group tasks_;
