@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vector_relational.hpp>
 #include <limits>
+#include <numeric>
 
 #include "core/sky.h"
 #include "precompute/mutual_visibility.h"
@@ -27,6 +28,11 @@ constexpr float kFar = std::numeric_limits<float>::max();
 
 /// Most balls are no larger than so many times their mean.
 constexpr float kUsual = 1.5f;
+
+float usual(std::span<const float> radii) {
+  const double sum = std::accumulate(radii.begin(), radii.end(), 0.0);
+  return kUsual * float(sum / double(std::max<std::size_t>(radii.size(), 1)));
+}
 
 /// Whether a ball that moves from a to b stays clear of a box (C. Ericson, Real-Time Collision Detection,
 /// 2005: a segment and a box that is grown by the radius, by axes that part them).
@@ -85,9 +91,9 @@ void KeptRays::find_balls(const Surfaces& surfaces) {
       }
     }
   }
-  double sum = 0.0;
-  for (const Ball& ball : balls_) sum += ball.radius;
-  usual_radius_ = kUsual * float(sum / double(balls_.size()));
+  std::vector<float> radii;
+  for (const Ball& ball : balls_) radii.push_back(ball.radius);
+  usual_radius_ = usual(radii);
   const Geometry& geometry = surfaces.geometry;
   for (std::uint32_t t = 0; t < geometry.triangles.size(); ++t) {
     Ball& ball = triangle_balls_.emplace_back(Ball{geometry.point(t, 1.0f / 3.0f, 1.0f / 3.0f)});
@@ -154,9 +160,10 @@ KeptSenders KeptRays::senders(const SenderLookup& lookup, std::span<const std::u
   });
   for (const Box& box : boxes) kept.balls.push_back({0.5f * (box.lower + box.upper), 0.0f});
   for_each_kept([&](std::uint32_t e, std::uint32_t sender) {
-    Ball& ball = kept.balls[sender];
-    ball.radius = std::max(ball.radius, glm::length(balls_[e].middle - ball.middle) + balls_[e].radius);
+    float& radius = kept.balls.radius[sender];
+    radius = std::max(radius, glm::length(balls_[e].middle - kept.balls.at(sender).middle) + balls_[e].radius);
   });
+  kept.usual_radius = usual(kept.balls.radius);
   return kept;
 }
 
@@ -216,8 +223,8 @@ bool KeptRays::was_whole(std::uint32_t element) const {
          !change_.disturbed(ball.middle, kLiftReach * ball.radius);
 }
 
-Vantage KeptRays::vantage(const Ball& origins) const {
-  return {origins, Shadow(added_, origins.middle, std::max(origins.radius, usual_radius_))};
+Vantage KeptRays::vantage(const Ball& origins, float usual) const {
+  return {origins, Shadow(added_, origins.middle, std::max(origins.radius, usual))};
 }
 
 bool KeptRays::stands_clear(const Vantage& from, std::uint32_t code) const {

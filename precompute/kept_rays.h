@@ -41,7 +41,8 @@ struct KeptSenders {
   /// Per code of the old scene; unknown when it is gone or changed, or belongs to a possible emitter. Then
   /// one more, for whatever is no code, that is unknown.
   std::vector<Met> met;
-  std::vector<Ball> balls;           ///< per sender that is a cluster: they hold all of it
+  Balls balls;                       ///< per sender that is a cluster: they hold all of it
+  float usual_radius = 0.0f;         ///< m, that most of them have
   std::vector<std::uint32_t> codes;  ///< per sender that is a cell of the sky; others: kUnknown
 };
 
@@ -80,8 +81,9 @@ class KeptRays {
 
   /// Whether all light patches of an element of this scene belonged to it, and nothing there has changed.
   bool was_whole(std::uint32_t element) const;
-  /// Something must have been added.
-  Vantage vantage(const Ball& origins) const;
+  /// Something must have been added. Most of what is asked for from there is no larger than `usual`.
+  Vantage vantage(const Ball& origins, float usual) const;
+  Vantage vantage(const Ball& origins) const { return vantage(origins, usual_radius_); }
   /// Whether nothing that was added lies between there and what rays met whose code, of this scene, this is.
   bool stands_clear(const Vantage& from, std::uint32_t code) const;
   /// The same of all that a ball holds.

@@ -14,6 +14,9 @@ namespace {
 /// as far away as this many times its reach.
 constexpr float kVantage = 6.0f;
 
+/// What is known of a number to count by. Shadow::clear_of writes the first two.
+enum Standing : std::uint8_t { kUnasked = 0, kClear = 1, kDoubtful = 2 };
+
 bool before(const EmitterHit& hit, std::uint32_t ray) {
   return hit.ray < ray;
 }
@@ -45,7 +48,6 @@ RayRecall::RayRecall(RayMemory& memory, const Emitters& emitters, const SenderLo
       lookup_(lookup),
       width_(memory.codes.width()),
       chunks_(memory.record ? &memory.record->memory() : nullptr) {
-  clear_senders_.resize(memory.sender_count + kSeenBeyond, 0);
 }
 
 void RayRecall::open_record(std::uint64_t identity, std::uint32_t rays, std::uint32_t samples) {
@@ -90,9 +92,12 @@ void RayRecall::look_from(const Ball& origins) {
   own_ = memory_.kept->vantage(origins);
   const Ball& around = vantage_.origins;
   const bool within = glm::length(origins.middle - around.middle) + origins.radius <= around.radius;
-  if (within && vantages_ > 0) return;
-  vantage_ = memory_.kept->vantage({origins.middle, kVantage * origins.radius});
-  ++vantages_;
+  if (within && !standing_.empty()) return;
+  const KeptSenders& senders = memory_.senders;
+  vantage_ = memory_.kept->vantage({origins.middle, kVantage * origins.radius}, senders.usual_radius);
+  standing_.assign(memory_.sender_count + kSeenBeyond, kUnasked);
+  vantage_.shadow.clear_of(senders.balls, standing_);
+  standing_[memory_.sender_count + kIsNoRay] = standing_[memory_.sender_count + kIsOpen] = kClear;
 }
 
 /// Whether some of what was added lies before the plane of the receiver.
@@ -147,19 +152,16 @@ std::uint32_t RayRecall::known_code(std::uint32_t ray) const {
 
 bool RayRecall::stands_clear_from_vantage(std::uint32_t seen) const {
   const KeptSenders& senders = memory_.senders;
-  if (seen >= memory_.sender_count) return seen >= memory_.sender_count + kIsNoRay;
+  if (seen >= memory_.sender_count) return false;
   if (senders.codes[seen] != RayCodes::kUnknown)
     return memory_.kept->stands_clear(vantage_, senders.codes[seen]);
-  return seen < senders.balls.size() && memory_.kept->stands_clear(vantage_, senders.balls[seen]);
+  return seen < senders.balls.size() && memory_.kept->stands_clear(vantage_, senders.balls.at(seen));
 }
 
 /// Whether nothing new can stand before any of a sender, seen from the receiver.
 bool RayRecall::stands_clear_of(std::uint32_t seen) {
-  std::uint32_t& clear = clear_senders_[seen];
-  if (clear / 2 != vantages_) {
-    clear = 2 * vantages_ + (stands_clear_from_vantage(seen) ? 1u : 0u);
-  }
-  return clear % 2 != 0;
+  if (standing_[seen] == kUnasked) standing_[seen] = stands_clear_from_vantage(seen) ? kClear : kDoubtful;
+  return standing_[seen] == kClear;
 }
 
 void RayRecall::know(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally) {
@@ -201,7 +203,7 @@ void RayRecall::know_old(std::span<const std::uint32_t> numbers, std::uint32_t f
 /// are many, and what it writes might be anything.
 template <std::uint32_t kWidth>
 void RayRecall::count_old(std::span<const std::uint32_t> numbers, std::uint32_t first, RayTally& tally) {
-  const std::uint32_t senders = memory_.sender_count, open = senders + kIsOpen, clear = 2 * vantages_ + 1,
+  const std::uint32_t senders = memory_.sender_count, open = senders + kIsOpen,
                       rays = known_ != nullptr ? std::min(old_->rays, known_->rays) : old_->rays,
                       old_width = kWidth > 0 ? kWidth : memory_.kept->old_width(),
                       width = kWidth > 0 ? kWidth : width_;
@@ -209,7 +211,7 @@ void RayRecall::count_old(std::span<const std::uint32_t> numbers, std::uint32_t 
   const std::uint32_t last = std::uint32_t(memory_.senders.met.size()) - 1;
   const std::byte* const old_codes = old_->codes;
   std::byte* const codes = known_ != nullptr ? known_->codes.data() : nullptr;
-  const std::uint32_t* const clear_senders = clear_senders_.data();
+  const std::uint8_t* const standing = standing_.data();
   const bool faces_changes = faces_changes_;
   std::uint32_t* const counts = tally.counts.data();
   const auto touch = tally.touched.inserter();
@@ -220,7 +222,7 @@ void RayRecall::count_old(std::span<const std::uint32_t> numbers, std::uint32_t 
         ray < rays ? met[std::min(load_code(old_codes, old_width, ray), last)] : met[last];
     if (now.seen == open) [[unlikely]] {
       tally.open.push_back(first + i);
-    } else if (faces_changes && clear_senders[now.seen] != clear && doubtful(now.seen, now.code))
+    } else if (faces_changes && standing[now.seen] != kClear && doubtful(now.seen, now.code))
         [[unlikely]] {
       tally.doubtful.push_back(first + i), tally.doubts.push_back(now.seen);
     } else {

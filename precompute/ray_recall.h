@@ -99,9 +99,9 @@ class RayRecall {
   bool faces_changes_ = true;   ///< rays may meet what was added
   Vantage own_{};               ///< of the receiver, where it faces changes
   Vantage vantage_{};           ///< of the receiver, and of others around it
-  std::uint32_t vantages_ = 0;  ///< so many there were
-  /// Per number to count by: twice vantages_, when last asked, and 1 for yes.
-  std::vector<std::uint32_t> clear_senders_;
+  /// Per number to count by, seen from the vantage: kClear, where nothing new can stand before it, kUnasked or
+  /// kDoubtful. Empty before there is one.
+  std::vector<std::uint8_t> standing_;
   std::uint64_t kept_rays_ = 0, kept_samples_ = 0;
 };
 

@@ -122,7 +122,8 @@ Result<RowsFile> decode_rows(std::vector<std::byte> bytes, const std::string& na
 Result<RowsFile> decode_rows(std::shared_ptr<const void> owner, std::span<const std::byte> bytes,
                              const std::string& name);
 
-/// decode_rows of a file. Fails (bad_input) also when it cannot be read.
-Result<RowsFile> read_rows(const std::filesystem::path& file);
+/// decode_rows of a file, read by so many threads at most (0: all). Fails (bad_input) also when it cannot be
+/// read.
+Result<RowsFile> read_rows(const std::filesystem::path& file, std::uint32_t threads = 0);
 
 }  // namespace relume

@@ -2,7 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
+#include <vector>
 
 #include "precompute/box_tree.h"
 
@@ -11,6 +15,16 @@ namespace relume {
 struct Ball {
   glm::vec3 middle{0.0f};
   float radius = 0.0f;
+};
+
+/// The same of many, coordinate by coordinate.
+struct Balls {
+  std::array<std::vector<float>, 3> middle;
+  std::vector<float> radius;
+
+  std::size_t size() const { return radius.size(); }
+  Ball at(std::size_t i) const { return {{middle[0][i], middle[1][i], middle[2][i]}, radius[i]}; }
+  void push_back(const Ball& ball);
 };
 
 /// Where a box may hide something from a place: behind the box, grown, in the pyramid that it is seen in, cut
@@ -30,6 +44,8 @@ class Shadow {
                         b < lower_[1] * ahead || b > upper_[1] * ahead;
     return beside && ball.radius <= radius_;
   }
+  /// The same of each ball: 1 or 0.
+  void clear_of(const Balls& balls, std::span<std::uint8_t> clear) const;
 
  private:
   glm::vec3 from_{0.0f};

@@ -27,12 +27,12 @@ constexpr double kHalf = 0x1.fffffffffffffp-2;
 /// The nearest codes; but only zero becomes zero, so that every sender of a row can be told from its codes.
 [[gnu::target_clones("avx2", "default")]] void encode_unorm16(std::span<const double> values, double row_max,
                                                               std::uint32_t* codes, double* unscaled) {
+  const double units = kUnorm16Max / row_max;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const double share = values[i] / row_max;
-    const auto nearest = static_cast<std::int32_t>(share * kUnorm16Max + kHalf);
-    const std::int32_t code = share > 0.0 ? std::max(nearest, 1) : 0;
+    const auto nearest = static_cast<std::int32_t>(values[i] * units + kHalf);
+    const std::int32_t code = values[i] > 0.0 ? std::max(nearest, 1) : 0;
     codes[i] = static_cast<std::uint32_t>(code);
-    unscaled[i] = code / kUnorm16Max;
+    unscaled[i] = code * kUnorm16Unit;
   }
 }
 

@@ -15,6 +15,8 @@ namespace relume {
 /// Largest code of a quantised codec.
 inline constexpr double kUnorm16Max = 65535.0;
 inline constexpr double kSqrt8Max = 255.0;
+/// What a unit of a unorm16 code stands for: 65535 of them are 1, to the bit.
+inline constexpr double kUnorm16Unit = 1.0 / kUnorm16Max;
 
 /// Stored value number `index` of `values`, without the scale of its row.
 inline double unscaled_value(ValueCodec codec, std::span<const std::byte> values, std::size_t index) {
@@ -26,7 +28,7 @@ inline double unscaled_value(ValueCodec codec, std::span<const std::byte> values
   if (codec == ValueCodec::unorm16) {
     std::uint16_t code = 0;
     std::memcpy(&code, values.data() + index * sizeof code, sizeof code);
-    return code / kUnorm16Max;
+    return code * kUnorm16Unit;
   }
   const double root = std::to_integer<int>(values[index]) / kSqrt8Max;
   return root * root;

@@ -149,7 +149,7 @@ std::launch policy_of(const PrecomputeArguments& arguments) {
 Result<std::optional<RowsFile>> read_old_rows(const PrecomputeArguments& arguments) {
   if (!arguments.update) return std::optional<RowsFile>();
   const std::filesystem::path file = rows_of(*arguments.update);
-  auto rows = read_rows(file);
+  auto rows = read_rows(file, arguments.options.threads);
   if (!rows) return tl::unexpected(rows.error());
   return std::optional<RowsFile>(std::move(*rows));
 }
