@@ -53,12 +53,8 @@ Shadow::Shadow(const Box& box, const glm::vec3& from, float radius) : from_(from
 
 void Shadow::clear_of(const Balls& balls, std::span<std::uint8_t> clear) const {
   const auto along = [&](std::size_t i) { return balls.middle[std::size_t(axes_[i])].data(); };
-  const Pyramid pyramid{{from_[axes_[0]], from_[axes_[1]], from_[axes_[2]]},
-                        side_,
-                        nearest_,
-                        lower_,
-                        upper_,
-                        radius_};
+  const Pyramid pyramid{
+      {from_[axes_[0]], from_[axes_[1]], from_[axes_[2]]}, side_, nearest_, lower_, upper_, radius_};
   beside(pyramid, along(0), along(1), along(2), balls.radius.data(), balls.size(), clear.data());
 }
 
