@@ -97,13 +97,18 @@ std::vector<DispatchStep> plan_probes(const System& system, const std::vector<Pr
   return steps;
 }
 
-/// One dispatch over elements, each read once; its kernel strides when they are more than the workgroups.
-std::vector<DispatchStep> plan_elements(std::uint32_t count, std::uint64_t cost, MatrixFetch fetch) {
+/// Clusters whose maxima an invocation finds, before it raises those of its workgroup.
+constexpr std::uint32_t kClustersOfMaxima = 8;
+
+/// One dispatch over elements, each read once, so many by an invocation; its kernel strides when they are
+/// more than the workgroups.
+std::vector<DispatchStep> plan_elements(std::uint32_t count, std::uint64_t cost, MatrixFetch fetch,
+                                        std::uint32_t each = 1) {
   if (count == 0) return {};
   DispatchStep step;
   step.format.fetch = fetch;
   step.range.count = count;
-  step.workgroups = workgroup_count(count);
+  step.workgroups = workgroup_count((count + each - 1) / each);
   step.cost = cost;
   return {step};
 }
@@ -172,7 +177,7 @@ SystemDispatches plan_dispatches(const System& system, const SystemLayout& layou
   const NodeTables nodes = node_tables(system.tree, layout.clusters);
   set(StepKernel::small_nodes, plan_small_nodes(nodes, fetch));
   set(StepKernel::nodes, plan_nodes(nodes, row_kernel, fetch));
-  set_layers(StepKernel::residual, plan_elements(layout.clusters, layout.clusters, fetch));
+  set_layers(StepKernel::residual, plan_elements(layout.clusters, layout.clusters, fetch, kClustersOfMaxima));
   set(StepKernel::gather, plan_rows(system.gather, row_kernel, fetch, most));
   set_layers(StepKernel::directions, plan_directions(system.gather, layout.gather_rows, fetch, most));
   set_layers(StepKernel::probes, plan_probes(system, layout.probes, most));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// What the last bounce of a system changed: maxima over its clusters, first in the workgroup, then over all of them.
+// What the last bounce of a system changed: maxima over its clusters, first of an invocation, then in the workgroup, then over all of them.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 
@@ -18,21 +18,23 @@ layout(set = kSolveSet, binding = kResidualBinding, std430) restrict buffer Resi
 const uint kMaxima = 12u;
 shared uint group_maxima[kMaxima];
 
-void raise_group_maxima(uint first, vec3 values) {
-  atomicMax(group_maxima[first], floatBitsToUint(values.x));
-  atomicMax(group_maxima[first + 1u], floatBitsToUint(values.y));
-  atomicMax(group_maxima[first + 2u], floatBitsToUint(values.z));
+void raise_group_maxima(uint first, uvec3 values) {
+  atomicMax(group_maxima[first], values.x);
+  atomicMax(group_maxima[first + 1u], values.y);
+  atomicMax(group_maxima[first + 2u], values.z);
 }
 
-void raise_maxima_of(uint cluster) {
+// Bits of non-negative floats order as these do, with NaN above all.
+void raise(inout uvec3 maxima[4], uint cluster) {
   const uint first = first_of_lighting(gl_WorkGroupID.z, radiosity.length());
   const vec3 after = abs(radiosity[first + range.first_sender + cluster].rgb);
   const vec3 before = abs(radiosity[first + range.first_row + cluster].rgb);
   const vec3 change = abs(after - before);
-  raise_group_maxima(0u, change / weights[cluster].rgb);
-  raise_group_maxima(3u, change);
-  raise_group_maxima(6u, after / weights[cluster].rgb);
-  raise_group_maxima(9u, after);
+  const vec3 weight = weights[cluster].rgb;
+  maxima[0] = max(maxima[0], floatBitsToUint(change / weight));
+  maxima[1] = max(maxima[1], floatBitsToUint(change));
+  maxima[2] = max(maxima[2], floatBitsToUint(after / weight));
+  maxima[3] = max(maxima[3], floatBitsToUint(after));
 }
 
 void raise_record() {
@@ -55,13 +57,13 @@ void main() {
   if (gl_LocalInvocationIndex < kMaxima) group_maxima[gl_LocalInvocationIndex] = 0u;
   memoryBarrierShared();
   barrier();
-  uint cluster = gl_GlobalInvocationID.x;
-  if (cluster < range.count) {
-    do {
-      raise_maxima_of(cluster);
-      cluster += gl_NumWorkGroups.x * kWorkgroupSize;
-    } while (cluster < range.count);
-  }
+  // Maxima do not mind a cluster that comes twice: the last one stands in for those beyond it.
+  const uint stride = gl_NumWorkGroups.x * kWorkgroupSize;
+  const uint turns = (range.count + stride - 1u) / stride;
+  uvec3 maxima[4] = uvec3[](uvec3(0u), uvec3(0u), uvec3(0u), uvec3(0u));
+  for (uint turn = 0u; turn < turns; ++turn)
+    raise(maxima, min(gl_GlobalInvocationID.x + turn * stride, range.count - 1u));
+  for (uint i = 0u; i < 4u; ++i) raise_group_maxima(3u * i, maxima[i]);
   memoryBarrierShared();
   barrier();
   if (gl_LocalInvocationIndex == 0u) raise_record();
