@@ -63,5 +63,25 @@ TEST(Shadow, WhatIsBesideBeforeOrTooLargeIsTold) {
   EXPECT_FALSE(Shadow().clear_of({{0, 0, 0}, 0.0f}));
 }
 
+TEST(Shadow, OfManyBallsTellsWhatItTellsOfEach) {
+  Draw draw;
+  Balls balls;
+  for (int i = 0; i < 101; ++i) balls.push_back({draw.point(4.0f), draw.in(0.0f, 0.5f)});
+  int clear_balls = 0;
+  for (int i = 0; i < 100; ++i) {
+    const glm::vec3 corner = draw.point(2.0f);
+    const Shadow shadow({corner, corner + 1.01f + draw.point(1.0f)}, draw.point(4.0f), draw.in(0.0f, 0.5f));
+    std::vector<std::uint8_t> clear(balls.size() + 1, 7);
+    shadow.clear_of(balls, clear);
+    for (std::size_t b = 0; b < balls.size(); ++b) {
+      ASSERT_EQ(clear[b], shadow.clear_of(balls.at(b)) ? 1 : 0) << i << " " << b;
+      clear_balls += clear[b];
+    }
+    ASSERT_EQ(clear.back(), 7) << "beyond the balls";
+  }
+  EXPECT_GT(clear_balls, 2000);
+  EXPECT_LT(clear_balls, 9000);
+}
+
 }  // namespace
 }  // namespace relume::test
