@@ -161,7 +161,8 @@ KeptSenders KeptRays::senders(const SenderLookup& lookup, std::span<const std::u
   for (const Box& box : boxes) kept.balls.push_back({0.5f * (box.lower + box.upper), 0.0f});
   for_each_kept([&](std::uint32_t e, std::uint32_t sender) {
     float& radius = kept.balls.radius[sender];
-    radius = std::max(radius, glm::length(balls_[e].middle - kept.balls.at(sender).middle) + balls_[e].radius);
+    radius =
+        std::max(radius, glm::length(balls_[e].middle - kept.balls.at(sender).middle) + balls_[e].radius);
   });
   kept.usual_radius = usual(kept.balls.radius);
   return kept;

@@ -47,8 +47,7 @@ RayRecall::RayRecall(RayMemory& memory, const Emitters& emitters, const SenderLo
       emitters_(emitters),
       lookup_(lookup),
       width_(memory.codes.width()),
-      chunks_(memory.record ? &memory.record->memory() : nullptr) {
-}
+      chunks_(memory.record ? &memory.record->memory() : nullptr) {}
 
 void RayRecall::open_record(std::uint64_t identity, std::uint32_t rays, std::uint32_t samples) {
   known_ = &memory_.record->of(identity);
@@ -222,8 +221,7 @@ void RayRecall::count_old(std::span<const std::uint32_t> numbers, std::uint32_t 
         ray < rays ? met[std::min(load_code(old_codes, old_width, ray), last)] : met[last];
     if (now.seen == open) [[unlikely]] {
       tally.open.push_back(first + i);
-    } else if (faces_changes && standing[now.seen] != kClear && doubtful(now.seen, now.code))
-        [[unlikely]] {
+    } else if (faces_changes && standing[now.seen] != kClear && doubtful(now.seen, now.code)) [[unlikely]] {
       tally.doubtful.push_back(first + i), tally.doubts.push_back(now.seen);
     } else {
       ++counts[now.seen];

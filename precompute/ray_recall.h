@@ -95,12 +95,12 @@ class RayRecall {
   bool blank_ = false;           ///< nothing was in known_
   std::size_t sorted_hits_ = 0;  ///< of known_
   std::optional<OldRays> old_;
-  bool old_samples_ = false;    ///< are of the same emitters
-  bool faces_changes_ = true;   ///< rays may meet what was added
-  Vantage own_{};               ///< of the receiver, where it faces changes
-  Vantage vantage_{};           ///< of the receiver, and of others around it
-  /// Per number to count by, seen from the vantage: kClear, where nothing new can stand before it, kUnasked or
-  /// kDoubtful. Empty before there is one.
+  bool old_samples_ = false;   ///< are of the same emitters
+  bool faces_changes_ = true;  ///< rays may meet what was added
+  Vantage own_{};              ///< of the receiver, where it faces changes
+  Vantage vantage_{};          ///< of the receiver, and of others around it
+  /// Per number to count by, seen from the vantage: kClear, where nothing new can stand before it, kUnasked
+  /// or kDoubtful. Empty before there is one.
   std::vector<std::uint8_t> standing_;
   std::uint64_t kept_rays_ = 0, kept_samples_ = 0;
 };
