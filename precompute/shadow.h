@@ -38,22 +38,35 @@ class Shadow {
 
   /// Whether the box is between no place that it is seen from and none of the ball.
   bool clear_of(const Ball& ball) const {
-    const glm::vec3 way = ball.middle - from_;
-    const float ahead = side_ * way[axes_[0]], a = way[axes_[1]], b = way[axes_[2]];
-    const bool beside = ahead < nearest_ || a < lower_[0] * ahead || a > upper_[0] * ahead ||
-                        b < lower_[1] * ahead || b > upper_[1] * ahead;
-    return beside && ball.radius <= radius_;
+    const auto [towards, a, b] = axes_;
+    return pyramid_.clear_of(ball.middle[towards], ball.middle[a], ball.middle[b], ball.radius) != 0;
   }
   /// The same of each ball: 1 or 0.
   void clear_of(const Balls& balls, std::span<std::uint8_t> clear) const;
 
  private:
-  glm::vec3 from_{0.0f};
-  float radius_ = -1.0f;                    ///< so large may balls be
-  std::array<int, 3> axes_{0, 1, 2};        ///< towards the box, and aside
-  float side_ = 1.0f;                       ///< of the box, along the first axis
-  float nearest_ = 0.0f;                    ///< of the box, along the first axis
-  std::array<float, 2> lower_{}, upper_{};  ///< slopes of the pyramid
+  /// From its tip on; coordinates are along the axes towards the box, and aside.
+  struct Pyramid {
+    std::array<float, 3> tip{};
+    float side = 1.0f;                      ///< of the box, along the first axis
+    float nearest = 0.0f;                   ///< of the box, along the first axis
+    std::array<float, 2> lower{}, upper{};  ///< slopes
+    float radius = -1.0f;                   ///< so large may balls be
+
+    /// Without branches, so that balls go together.
+    [[gnu::always_inline]] int clear_of(float towards, float a, float b, float of_ball) const {
+      const float ahead = side * (towards - tip[0]), aside = a - tip[1], up = b - tip[2];
+      const int beside = int(ahead < nearest) | int(aside < lower[0] * ahead) |
+                         int(aside > upper[0] * ahead) | int(up < lower[1] * ahead) |
+                         int(up > upper[1] * ahead);
+      return beside & int(of_ball <= radius);
+    }
+  };
+  static void clear_of(const Pyramid& pyramid, const std::array<const float*, 3>& middles, const float* radii,
+                       std::size_t count, std::uint8_t* clear);
+
+  std::array<int, 3> axes_{0, 1, 2};  ///< towards the box, and aside
+  Pyramid pyramid_;
 };
 
 }  // namespace relume

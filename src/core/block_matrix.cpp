@@ -124,7 +124,7 @@ RowSummary summarise_row(const MatrixBlock& block, std::uint32_t row, double mos
       block.row_scales[row] == 0.0f)
     return summarise_in_order(block, row);
   RowSummary summary = summarise_codes(block.values.data() + first * sizeof(std::uint16_t), count);
-  summary.sum *= double(block.row_scales[row]) / kUnorm16Max;
+  summary.sum *= double(block.row_scales[row]) * kUnorm16Unit;
   const double rounding = 4.0 * (count + 4.0) * std::numeric_limits<double>::epsilon();
   return summary.sum * (1.0 + rounding) < most ? summary : summarise_in_order(block, row);
 }
