@@ -31,12 +31,10 @@ std::vector<bool> ask_patches(const SurfaceElement& element, const std::vector<L
                               Views& views) {
   const SurfacePoint middle{element.position, element.normal};
   std::vector<SurfacePoint> points;
-  std::vector<bool> own;
-  std::uint64_t rays = 0;
-  for (const LightPatch& patch : patches) {
+  for (const LightPatch& patch : patches)
     points.push_back({glm::vec3(patch_point(patch)), glm::vec3(patch.normal)});
-    own.push_back(views.ask(middle, points.back(), rays));
-  }
+  std::uint64_t rays = 0;
+  std::vector<bool> own = views.ask_each(middle, points, rays);
   if (std::all_of(own.begin(), own.end(), [](bool owned) { return owned; })) return {};
   for (std::size_t p = 0; p < points.size(); ++p) views.keep(middle, points[p], own[p]);
   return own;

@@ -49,20 +49,28 @@ class RayRecord {
 
   /// Of a receiver, by its identity; lives as long as the record.
   KnownRays& of(std::uint64_t identity);
+  /// Of these it will be asked soon: what is far from the processor is fetched side by side.
+  void fetch(std::span<const std::uint64_t> identities);
   /// For the codes that one thread finds; lives as long as the record, until all is taken.
   ChunkMemory& memory();
   /// Everything; forgets it. Samples of other emitters than those of this key are left out.
   RecordedRays take(std::uint64_t emitters);
 
  private:
+  /// Identities are here as well: to look for one is not to look at its rays.
+  struct Place {
+    std::uint64_t identity = 0;
+    KnownRays* rays = nullptr;
+  };
   /// Receivers whose identities begin alike, each in the first free place from where its last bits say.
   struct Shelf {
     std::mutex mutex;
     std::deque<KnownRays> rays;
-    std::vector<KnownRays*> places;  ///< a power of two of them, at most half of them taken
+    std::vector<Place> places;  ///< a power of two of them, at most half of them taken
   };
-  static KnownRays*& place_of(std::uint64_t identity, std::vector<KnownRays*>& places);
-  static std::vector<KnownRays*> sorted(Shelf& shelf);
+  Shelf& shelf_of(std::uint64_t identity);
+  static Place& place_of(std::uint64_t identity, std::vector<Place>& places);
+  static std::vector<Place> sorted(const Shelf& shelf);
 
   RayCodes codes_;
   std::vector<Shelf> shelves_;

@@ -64,10 +64,11 @@ RowTracer::RowTracer(const RowScene& scene)
 }
 
 void RowTracer::expect(std::span<const Receiver> receivers) {
-  if (scene_.memory == nullptr || scene_.memory->kept == nullptr) return;
+  if (scene_.memory == nullptr) return;
   expected_.clear();
   for (const Receiver& receiver : receivers) expected_.push_back(receiver.identity());
-  scene_.memory->kept->fetch(expected_);
+  if (scene_.memory->record) scene_.memory->record->fetch(expected_);
+  if (scene_.memory->kept != nullptr) scene_.memory->kept->fetch(expected_);
 }
 
 TracedRow RowTracer::trace(const Receiver& receiver, const SobolPoints& points, const PointRange& range) {

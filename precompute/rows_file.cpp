@@ -185,17 +185,22 @@ FileParts encode_rows(const RowsFile& rows, std::span<const std::span<const std:
 
 Result<RowsFile> decode_rows(std::vector<std::byte> bytes, const std::string& name) {
   const auto owner = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
-  return decode_rows(owner, *owner, name);
+  const auto sections = read_sections(*owner, name);
+  if (!sections) return tl::unexpected(sections.error());
+  return decode_rows(owner, *sections, name);
 }
 
-Result<RowsFile> decode_rows(std::shared_ptr<const void> owner, std::span<const std::byte> bytes,
+Result<RowsFile> decode_rows(std::shared_ptr<const void> owner, const std::vector<Section>& sections,
                              const std::string& name) {
   RowsFile rows;
   rows.owner = std::move(owner);
-  const auto sections = read_sections(bytes, name);
-  if (!sections) return tl::unexpected(sections.error());
-  if (auto read = read_all(Reader(*sections, name), rows); !read) return tl::unexpected(read.error());
+  if (auto read = read_all(Reader(sections, name), rows); !read) return tl::unexpected(read.error());
   return rows;
+}
+
+bool is_of_rays(const SectionRecord& section) {
+  const std::string_view id(section.id.data(), section.id.size());
+  return id == "RCOD" || id == "RSMP" || id == "REMH";
 }
 
 }  // namespace relume

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <future>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
@@ -16,6 +17,7 @@
 
 #include "core/file_parts.h"
 #include "core/result.h"
+#include "core/section_table.h"
 #include "precompute/ray_codes.h"
 
 namespace relume {
@@ -95,12 +97,17 @@ struct RowsFile {
   std::vector<std::uint8_t> whole_elements;  ///< per element: all of its light patches belong to it
   std::vector<std::uint64_t> views;          ///< answers about surroundings (views.h), ascending
   LookGrid look_grid;
-  std::vector<PointLook> looks;              ///< per point of the grid
-  std::vector<ReceiverRecord> receivers;     ///< ascending by identity
-  std::span<const std::byte> codes;          ///< of all receivers; kCodePadding bytes follow
-  std::span<const std::byte> samples;        ///< of all receivers; each begins a new byte
-  std::span<const EmitterHit> emitter_hits;  ///< of all receivers, of each ascending by ray
-  std::shared_ptr<const void> owner;         ///< of the bytes that these three may point into
+  std::vector<PointLook> looks;               ///< per point of the grid
+  std::vector<ReceiverRecord> receivers;      ///< ascending by identity
+  std::span<const std::byte> codes;           ///< of all receivers; kCodePadding bytes follow
+  std::span<const std::byte> samples;         ///< of all receivers; each begins a new byte
+  std::span<const EmitterHit> emitter_hits;   ///< of all receivers, of each ascending by ray
+  std::shared_ptr<const void> owner;          ///< of the bytes that these three may point into
+  std::shared_future<Result<void>> arriving;  ///< of start_reading_rows
+
+  /// Waits until codes, samples and hits of emitters may be read, where they are still on their way. Fails as
+  /// read_rows does.
+  Result<void> await_rays() const { return arriving.valid() ? arriving.get() : Result<void>(); }
 
   RayCodes ray_codes() const { return {std::uint32_t(triangles.size()), std::uint32_t(element_keys.size())}; }
 };
@@ -118,12 +125,18 @@ inline constexpr std::array<std::byte, kCodePadding> kCodesEnd{};
 
 /// Verifies structure, checksums, sizes and order. `name` is used in messages.
 Result<RowsFile> decode_rows(std::vector<std::byte> bytes, const std::string& name);
-/// The same of bytes that `owner` holds.
-Result<RowsFile> decode_rows(std::shared_ptr<const void> owner, std::span<const std::byte> bytes,
+/// The same of sections that `owner` holds, but for their checksums. Of what rays met only sizes are looked
+/// at.
+Result<RowsFile> decode_rows(std::shared_ptr<const void> owner, const std::vector<Section>& sections,
                              const std::string& name);
 
-/// decode_rows of a file, read by so many threads at most (0: all). Fails (bad_input) also when it cannot be
-/// read.
-Result<RowsFile> read_rows(const std::filesystem::path& file, std::uint32_t threads = 0);
+/// Whether it says what rays met: codes, samples or hits of emitters.
+bool is_of_rays(const SectionRecord& section);
+
+/// decode_rows of a file. Fails (bad_input) also when it cannot be read.
+Result<RowsFile> read_rows(const std::filesystem::path& file);
+/// The same where others need not wait for what rays met (RowsFile::await_rays), nearly all of the file: by
+/// std::launch::async a thread of its own reads it.
+Result<RowsFile> start_reading_rows(const std::filesystem::path& file, std::launch policy);
 
 }  // namespace relume

@@ -40,6 +40,7 @@ Result<void> RowsKeeper::follow(const Surfaces& surfaces, const SenderLookup& lo
   memory_.codes = {std::uint32_t(triangle_keys_.size()), lookup.element_count()};
   if (options_.keep_rows) memory_.record.emplace(memory_.codes);
   if (!change_) return {};
+  if (auto arrived = change_->old().await_rays(); !arrived) return arrived;
   auto kept = KeptRays::compare(*change_, options_.old_rows_name, report.texel_size, surfaces, caster, lookup,
                                 element_keys_);
   if (!kept) return tl::unexpected(kept.error());

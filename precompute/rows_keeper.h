@@ -26,7 +26,7 @@ class RowsKeeper {
   std::vector<std::uint8_t> known_ties(const Geometry& geometry) const;
   /// For cut_surfaces; nothing without old rows.
   std::optional<EarlierSurfaces> earlier() const;
-  /// Once they are cut; borrows all. Fails as KeptRays::compare does.
+  /// Once they are cut; borrows all. Fails as KeptRays::compare and RowsFile::await_rays do.
   Result<void> follow(const Surfaces& surfaces, const SenderLookup& lookup, const RayCaster& caster,
                       const PrecomputeReport& report);
 

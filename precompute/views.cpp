@@ -18,9 +18,6 @@ constexpr int kInsideRays = 16;
 
 constexpr std::uint64_t kSeeEachOther = 0x736565ull, kInside = 0x696e73ull;
 
-/// Old answers are looked up by so many bits of their keys, then one by one.
-constexpr unsigned kAnswerBits = 19;
-
 std::uint64_t mix_point(std::uint64_t key, const SurfacePoint& point) {
   const auto pair = [](float a, float b) {
     return std::uint64_t{std::bit_cast<std::uint32_t>(a)} << 32 | std::bit_cast<std::uint32_t>(b);
@@ -80,18 +77,29 @@ Views::Views(const Geometry& geometry, const RayCaster& caster, const SceneChang
       change_(change != nullptr && change->comparable() ? change : nullptr),
       record_(record) {
   if (change_ == nullptr) return;
-  first_.assign((std::size_t{1} << kAnswerBits) + 1, 0);
-  for (const std::uint64_t answer : change_->old().views) ++first_[(answer >> (64 - kAnswerBits)) + 1];
+  const std::vector<std::uint64_t>& answers = change_->old().views;
+  skipped_bits_ = 64 - std::max(1, int(std::bit_width(answers.size())));
+  first_.assign((std::size_t{1} << (64 - skipped_bits_)) + 1, 0);
+  for (const std::uint64_t answer : answers) ++first_[(answer >> skipped_bits_) + 1];
   for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
 }
 
 Views::Answer Views::recall(std::uint64_t key) const {
-  const std::size_t bits = key >> (64 - kAnswerBits);
+  const std::size_t bits = key >> skipped_bits_;
   for (std::uint32_t i = first_[bits]; i < first_[bits + 1]; ++i) {
     const std::uint64_t answer = change_->old().views[i];
     if ((answer & ~std::uint64_t{1}) == key) return (answer & 1) != 0 ? Answer::yes : Answer::no;
   }
   return Answer::unknown;
+}
+
+std::vector<Views::Answer> Views::recall_each(std::span<const std::uint64_t> keys) const {
+  for (const std::uint64_t key : keys) __builtin_prefetch(&first_[key >> skipped_bits_]);
+  for (const std::uint64_t key : keys)
+    __builtin_prefetch(change_->old().views.data() + first_[key >> skipped_bits_]);
+  std::vector<Answer> answers;
+  for (const std::uint64_t key : keys) answers.push_back(recall(key));
+  return answers;
 }
 
 void Views::keep(std::uint64_t key, bool answer) {
@@ -102,12 +110,28 @@ void Views::keep(const SurfacePoint& a, const SurfacePoint& b, bool visible) {
   if (record_) keep(key_of(a, b), visible);
 }
 
-bool Views::ask(const SurfacePoint& a, const SurfacePoint& b, std::uint64_t& rays) const {
-  const Answer old = change_ != nullptr ? recall(key_of(a, b)) : Answer::unknown;
+bool Views::settle(Answer old, const SurfacePoint& a, const SurfacePoint& b, std::uint64_t& rays) const {
   const float reach = kLiftReach * glm::length(b.position - a.position) + 2.0f * geometry_.offset;
   if (old != Answer::unknown && !change_->disturbed(a.position, reach)) return old == Answer::yes;
   rays += 3;
   return mutually_visible(geometry_, caster_, a, b);
+}
+
+bool Views::ask(const SurfacePoint& a, const SurfacePoint& b, std::uint64_t& rays) const {
+  return settle(change_ != nullptr ? recall(key_of(a, b)) : Answer::unknown, a, b, rays);
+}
+
+std::vector<bool> Views::ask_each(const SurfacePoint& a, std::span<const SurfacePoint> points,
+                                  std::uint64_t& rays) const {
+  std::vector<Answer> old(points.size(), Answer::unknown);
+  if (change_ != nullptr) {
+    std::vector<std::uint64_t> keys;
+    for (const SurfacePoint& point : points) keys.push_back(key_of(a, point));
+    old = recall_each(keys);
+  }
+  std::vector<bool> visible;
+  for (std::size_t i = 0; i < points.size(); ++i) visible.push_back(settle(old[i], a, points[i], rays));
+  return visible;
 }
 
 bool Views::see_each_other(const SurfacePoint& a, const SurfacePoint& b, std::uint64_t& rays) {

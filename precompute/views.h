@@ -27,6 +27,9 @@ class Views {
   bool see_each_other(const SurfacePoint& a, const SurfacePoint& b, std::uint64_t& rays);
   /// The same; nothing is kept.
   bool ask(const SurfacePoint& a, const SurfacePoint& b, std::uint64_t& rays) const;
+  /// The same of each of some points, which is faster for several at once.
+  std::vector<bool> ask_each(const SurfacePoint& a, std::span<const SurfacePoint> points,
+                             std::uint64_t& rays) const;
   void keep(const SurfacePoint& a, const SurfacePoint& b, bool visible);
   /// Whether a point lies inside other geometry: more than half of some rays meet back faces. The answer is
   /// kept.
@@ -37,7 +40,9 @@ class Views {
 
  private:
   enum class Answer : std::uint8_t { unknown, no, yes };
+  std::vector<Answer> recall_each(std::span<const std::uint64_t> keys) const;
   Answer recall(std::uint64_t key) const;
+  bool settle(Answer old, const SurfacePoint& a, const SurfacePoint& b, std::uint64_t& rays) const;
   void keep(std::uint64_t key, bool answer);
 
   const Geometry& geometry_;
@@ -45,6 +50,7 @@ class Views {
   const SceneChange* change_;
   bool record_;
   std::vector<std::uint32_t> first_;  ///< of the old answers, by the first bits of their keys
+  int skipped_bits_ = 0;              ///< all others: a larger table than there are answers is farther away
   tbb::enumerable_thread_specific<std::vector<std::uint64_t>> answers_;
 };
 

@@ -24,6 +24,14 @@ std::uint64_t checksum_of(std::span<const std::byte> bytes) {
   return XXH3_64bits(bytes.data(), bytes.size());
 }
 
+/// Small parts that lie scattered take longer to reach than to read.
+constexpr std::size_t kFetchedAhead = 2, kFetchedBytes = 1024, kCacheLine = 64;
+
+void fetch_beginning(std::span<const std::byte> part) {
+  for (std::size_t i = 0; i < std::min(kFetchedBytes, part.size()); i += kCacheLine)
+    __builtin_prefetch(part.data() + i);
+}
+
 /// Checksum of header (its checksum field zero) and table.
 std::uint64_t table_checksum(FileHeader header, std::span<const SectionRecord> records) {
   header.checksum = 0;
@@ -95,24 +103,34 @@ Result<void> check_record(const SectionRecord& record, std::uint64_t expected_of
   return {};
 }
 
-Result<void> check_padding(std::span<const std::byte> bytes, std::uint64_t begin, std::uint64_t end,
-                           const std::string& name) {
-  for (std::uint64_t offset = begin; offset < std::min<std::uint64_t>(end, bytes.size()); ++offset) {
-    if (bytes[offset] == std::byte{0}) continue;
-    return malformed(name, fmt::format("byte {}: expected 0 between sections, found {}", offset,
-                                       std::to_integer<int>(bytes[offset])));
-  }
-  return {};
+}  // namespace
+
+struct Checksum::State {
+  XXH3_state_t xxh;
+};
+
+Checksum::Checksum() : state_(std::make_unique<State>()) {
+  XXH3_64bits_reset(&state_->xxh);
 }
 
-}  // namespace
+Checksum::~Checksum() = default;
+
+void Checksum::add(std::span<const std::byte> bytes) {
+  XXH3_64bits_update(&state_->xxh, bytes.data(), bytes.size());
+}
+
+std::uint64_t Checksum::value() const {
+  return XXH3_64bits_digest(&state_->xxh);
+}
 
 std::uint64_t checksum_of(std::span<const std::span<const std::byte>> parts) {
   if (parts.size() == 1) return checksum_of(parts[0]);
-  XXH3_state_t state;
-  XXH3_64bits_reset(&state);
-  for (const auto part : parts) XXH3_64bits_update(&state, part.data(), part.size());
-  return XXH3_64bits_digest(&state);
+  Checksum checksum;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (i + kFetchedAhead < parts.size()) fetch_beginning(parts[i + kFetchedAhead]);
+    checksum.add(parts[i]);
+  }
+  return checksum.value();
 }
 
 std::string describe(const SectionRecord& record) {
@@ -188,13 +206,26 @@ Result<std::vector<SectionRecord>> read_section_table(std::span<const std::byte>
       name, fmt::format("byte {}: expected the end of the file, found {} bytes more", end, file_bytes - end));
 }
 
+Result<void> check_section(const SectionRecord& record, std::uint64_t found, const std::string& name) {
+  if (found == record.checksum) return {};
+  return malformed(name, fmt::format("section {}: expected checksum {:016x}, found {:016x}", describe(record),
+                                     record.checksum, found));
+}
+
 Result<Section> check_section(const SectionRecord& record, std::span<const std::byte> bytes,
                               const std::string& name) {
-  if (const std::uint64_t found = checksum_of(bytes); found != record.checksum) {
-    return malformed(name, fmt::format("section {}: expected checksum {:016x}, found {:016x}",
-                                       describe(record), record.checksum, found));
-  }
+  if (auto checked = check_section(record, checksum_of(bytes), name); !checked)
+    return tl::unexpected(checked.error());
   return Section{record, bytes};
+}
+
+Result<void> check_padding(std::span<const std::byte> bytes, std::uint64_t begin, const std::string& name) {
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    if (bytes[i] == std::byte{0}) continue;
+    return malformed(name, fmt::format("byte {}: expected 0 between sections, found {}", begin + i,
+                                       std::to_integer<int>(bytes[i])));
+  }
+  return {};
 }
 
 Result<std::vector<Section>> read_sections(std::span<const std::byte> bytes, const std::string& name) {
@@ -203,7 +234,7 @@ Result<std::vector<Section>> read_sections(std::span<const std::byte> bytes, con
   std::vector<Section> sections;
   std::uint64_t end = sizeof(FileHeader) + records->size() * sizeof(SectionRecord);
   for (const SectionRecord& record : *records) {
-    if (auto checked = check_padding(bytes, end, record.offset, name); !checked)
+    if (auto checked = check_padding(bytes.subspan(end, record.offset - end), end, name); !checked)
       return tl::unexpected(checked.error());
     auto section = check_section(record, bytes.subspan(record.offset, record.length), name);
     if (!section) return tl::unexpected(section.error());

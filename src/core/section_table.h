@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -56,6 +57,21 @@ struct Section {
 /// "'CLUS' of system 0 at byte 4096", for messages.
 std::string describe(const SectionRecord& record);
 
+/// XXH3-64 of bytes that come one after another.
+class Checksum {
+ public:
+  Checksum();
+  ~Checksum();
+  Checksum(const Checksum&) = delete;
+
+  void add(std::span<const std::byte> bytes);
+  std::uint64_t value() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
 /// Of a section of parts that follow each other.
 std::uint64_t checksum_of(std::span<const std::span<const std::byte>> parts);
 
@@ -103,6 +119,11 @@ Result<std::vector<SectionRecord>> read_section_table(std::span<const std::byte>
 /// Verifies the checksum of one section that was read.
 Result<Section> check_section(const SectionRecord& record, std::span<const std::byte> bytes,
                               const std::string& name);
+/// The same of a checksum that was `found`.
+Result<void> check_section(const SectionRecord& record, std::uint64_t found, const std::string& name);
+
+/// Verifies that `bytes`, which begin at byte `begin` of the file, between two sections, are zeros.
+Result<void> check_padding(std::span<const std::byte> bytes, std::uint64_t begin, const std::string& name);
 
 /// Verifies header, table, layout (no holes, no overlaps, padding of zeros) and every checksum. `name` is
 /// used in messages.

@@ -148,8 +148,7 @@ std::launch policy_of(const PrecomputeArguments& arguments) {
 /// The rows of the model that is to be updated.
 Result<std::optional<RowsFile>> read_old_rows(const PrecomputeArguments& arguments) {
   if (!arguments.update) return std::optional<RowsFile>();
-  const std::filesystem::path file = rows_of(*arguments.update);
-  auto rows = read_rows(file, arguments.options.threads);
+  auto rows = start_reading_rows(rows_of(*arguments.update), policy_of(arguments));
   if (!rows) return tl::unexpected(rows.error());
   return std::optional<RowsFile>(std::move(*rows));
 }
