@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <new>
+
+#include "precompute/large_memory.h"
 
 namespace relume {
 namespace {
 
-/// Bytes; with what an allocator adds, they fill a large page.
-constexpr std::size_t kChunk = (std::size_t{2} << 20) - (std::size_t{64} << 10);
+/// Bytes: some large pages, which are there once they are touched.
+constexpr std::size_t kChunk = std::size_t{8} << 20;
 
 }  // namespace
 
@@ -17,7 +20,8 @@ std::span<std::byte> ChunkMemory::take(std::size_t bytes) {
   const std::size_t room = (bytes + kAlignment - 1) / kAlignment * kAlignment;
   if (used_ + room > size_) {
     size_ = std::max(room, kChunk), used_ = 0;
-    chunks_.push_back(std::make_unique_for_overwrite<std::byte[]>(size_));
+    chunks_.push_back(large_memory(size_));
+    if (!chunks_.back()) throw std::bad_alloc();
   }
   const std::span taken(chunks_.back().get() + used_, bytes);
   used_ += room;

@@ -11,11 +11,11 @@ namespace relume {
 /// Memory of many small arrays that are given up together. Not thread-safe.
 class ChunkMemory {
  public:
-  /// Not initialised, aligned for 32 bits; lives as long as this does, wherever it moves.
+  /// Zeros, aligned for 32 bits; lives as long as this does, wherever it moves.
   std::span<std::byte> take(std::size_t bytes);
 
  private:
-  std::vector<std::unique_ptr<std::byte[]>> chunks_;
+  std::vector<std::shared_ptr<std::byte>> chunks_;
   std::size_t used_ = 0, size_ = 0;  ///< bytes of the last chunk
 };
 

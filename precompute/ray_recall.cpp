@@ -68,8 +68,6 @@ void RayRecall::make_room(std::uint32_t rays) {
     known_->codes = chunks_->take(std::max(bytes, 2 * old.size()));
     std::copy_n(old.begin(), before, known_->codes.begin());
   }
-  std::fill(known_->codes.begin() + std::ptrdiff_t(before), known_->codes.begin() + std::ptrdiff_t(bytes),
-            std::byte{0});
   known_->rays = rays;
 }
 

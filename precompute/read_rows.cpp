@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -14,6 +13,7 @@
 
 #include "core/decode_sections.h"
 #include "core/file_descriptor.h"
+#include "precompute/large_memory.h"
 #include "precompute/rows_file.h"
 
 namespace relume {
@@ -21,19 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLargePage = std::size_t{2} << 20;
 /// So many bytes are still near by when their checksum is taken.
 constexpr std::uint64_t kPiece = 256 << 10;
-
-/// Memory that nobody filled before, in large pages where the system has some: these files are large, and
-/// first touches of small pages take longer than reading.
-std::shared_ptr<std::byte> large_memory(std::size_t bytes) {
-  const std::size_t size = (bytes / kLargePage + 1) * kLargePage;
-  void* const memory = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (memory == MAP_FAILED) return nullptr;
-  ::madvise(memory, size, MADV_HUGEPAGE);  // a wish
-  return {static_cast<std::byte*>(memory), [size](std::byte* own) { ::munmap(own, size); }};
-}
 
 /// How many of `bytes` bytes there were at `offset`.
 std::size_t read_part(int descriptor, std::byte* to, std::size_t offset, std::size_t bytes) {
