@@ -19,6 +19,7 @@ struct BenchmarkOptions {
   std::uint32_t quality = 512;  ///< rays per lumel
   double texel_size = 0.0;      ///< m; 0: about 12 k lumels, or as the precompute chooses for an error
   double error = 0.05;          ///< target of the models of whole frames
+  bool error_given = false;     ///< by the user
   std::uint32_t budget = 0;     ///< nodes of a tile where rays are counted; 0: full rows
 };
 
@@ -41,7 +42,7 @@ Measurements precompute_vs_embree(const BenchmarkOptions& options);
 Measurements solve(const BenchmarkOptions& options);
 
 /// Errors of --error and --budget at sensors, for lights that the precompute has not seen, against a
-/// converged answer.
+/// converged answer; of several targets and budgets, or of the target that was given.
 Measurements error(const BenchmarkOptions& options);
 
 /// How wide the bracket of the full rows' answer is at the median lumel, for lights that the precompute has

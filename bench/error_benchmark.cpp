@@ -17,9 +17,12 @@ struct Subject {
   std::uint32_t budget = 0;
 };
 
-std::vector<Subject> subjects() {
-  std::vector<Subject> all;
-  for (const int percent : {5, 2, 1}) all.push_back({fmt::format("--error {}%", percent), 0.01 * percent, 0});
+std::vector<Subject> subjects(const BenchmarkOptions& options) {
+  const auto target = [](double error) {
+    return Subject{fmt::format("--error {:.3g}%", 100.0 * error), error, 0};
+  };
+  if (options.error_given) return {target(options.error)};
+  std::vector<Subject> all{target(0.05), target(0.02), target(0.01)};
   for (const std::uint32_t budget : {32u, 64u, 128u, 256u})
     all.push_back({fmt::format("--budget {}", budget), 0.0, budget});
   return all;
@@ -67,7 +70,7 @@ Measurements error(const BenchmarkOptions& options) {
   const auto truth = converged_answer(*test, base);
   if (!truth) return tl::unexpected(truth.error());
   std::vector<Measurement> result{{kName, "clusters of the converged answer", "", {double(truth->clusters)}}};
-  for (const Subject& subject : subjects()) {
+  for (const Subject& subject : subjects(options)) {
     PrecomputeOptions chosen = base;
     chosen.error = subject.error, chosen.budget = subject.budget;
     chosen.quality = subject.budget > 0 ? options.quality : 0;

@@ -80,7 +80,7 @@ int main(int argc, char** argv) {
                  "Metres; 0: about 12 k lumels, or as the precompute chooses for --error")
       ->capture_default_str();
   app.add_option("--error", arguments.options.error,
-                 "Error target of the models of bounds, frame and tracking")
+                 "Error target of the models of bounds, frame and tracking, and the only one of error")
       ->check(CLI::Range(1e-3, 1.0))
       ->capture_default_str();
   app.add_option("--budget", arguments.options.budget,
@@ -90,6 +90,7 @@ int main(int argc, char** argv) {
   app.add_flag("--json", arguments.json, "Prints JSON")->excludes(csv);
   try {
     app.parse(argc, argv);
+    arguments.options.error_given = app.count("--error") > 0;
     return arguments.list ? relume::bench::list_benchmarks() : relume::bench::run_benchmarks(arguments);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : static_cast<int>(relume::ErrorCode::usage);

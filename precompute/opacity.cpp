@@ -12,7 +12,7 @@ namespace {
 
 /// Parts that cover more texels are sampled at so many points.
 constexpr double kMaxExactTexels = 1024.0;
-constexpr std::uint32_t kSamples = 1024;
+constexpr std::uint32_t kOpacitySamples = 1024;
 
 std::uint64_t bits(float a, float b) {
   return std::uint64_t{std::bit_cast<std::uint32_t>(a)} << 32 | std::bit_cast<std::uint32_t>(b);
@@ -106,10 +106,10 @@ double TriangleOpacity::mean(std::uint32_t triangle, const std::array<glm::vec2,
     });
     return std::min(sum, 1.0);
   }
-  static const SobolPoints points(kSamples);
-  for (std::uint32_t i = 0; i < kSamples; ++i) {
+  static const SobolPoints points(kOpacitySamples);
+  for (std::uint32_t i = 0; i < kOpacitySamples; ++i) {
     const SamplePoint s = points.scrambled(i, 0);
-    sum += opacity_in_part(glm::dvec2(triangle_point(s[0], s[1]))) / kSamples;
+    sum += opacity_in_part(glm::dvec2(triangle_point(s[0], s[1]))) / kOpacitySamples;
   }
   return sum;
 }

@@ -11,8 +11,8 @@
 namespace relume {
 namespace {
 
-const std::vector<glm::vec3> kSquare{{0, 0, 0},  {1, 0, 0},  {1, 1, 0},  {0, 1, 0},
-                                     {0, 0, -1}, {1, 0, -1}, {1, 1, -1}, {0, 1, -1}};
+const std::vector<glm::vec3> kSquares{{0, 0, 0},  {1, 0, 0},  {1, 1, 0},  {0, 1, 0},
+                                      {0, 0, -1}, {1, 0, -1}, {1, 1, -1}, {0, 1, -1}};
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 /// The lower right half of the square, once at z = 0 and once at z = -1.
 const Triangles kTwo{{0, 1, 2}, {4, 5, 6}};
@@ -62,14 +62,14 @@ std::uint32_t met(const RayCaster& caster, float x, float y) {
 }
 
 RayCaster caster_of(const Triangles& triangles, const Opacity& opacity) {
-  return std::move(RayCaster::create(kSquare, triangles, opacity)).value();
+  return std::move(RayCaster::create(kSquares, triangles, opacity)).value();
 }
 
 TEST(Opacity, OfAPartIsItsSolidShare) {
   Opacity opacity;
   add_checkers(opacity, 0);
   add_pane(opacity, 1, 0.25f);
-  const TriangleOpacity lookup(opacity, kSquare, kTwo);
+  const TriangleOpacity lookup(opacity, kSquares, kTwo);
   // Below the diagonal lie the texel at s > 1/2, t < 1/2, which is solid, and half of each of two holes: 1/4
   // of 1/2.
   EXPECT_NEAR(lookup.mean(0, {glm::vec2{0, 0}, {1, 0}, {0, 1}}), 0.5, 1e-12);
@@ -84,9 +84,10 @@ TEST(Opacity, FarOutTextureCoordinatesRepeatTheImage) {
   Opacity opacity;
   add_checkers(opacity, 0);
   for (glm::vec3& corner : opacity.triangles[0].corners) corner.x -= 0x1p20f, corner.y += 0x1p20f;
-  EXPECT_NEAR(TriangleOpacity(opacity, kSquare, kTwo).mean(0, {glm::vec2{0, 0}, {1, 0}, {0, 1}}), 0.5, 1e-12);
+  EXPECT_NEAR(TriangleOpacity(opacity, kSquares, kTwo).mean(0, {glm::vec2{0, 0}, {1, 0}, {0, 1}}), 0.5,
+              1e-12);
   for (glm::vec3& corner : opacity.triangles[0].corners) corner.x *= 1e9f;
-  const double mean = TriangleOpacity(opacity, kSquare, kTwo).mean(0, {glm::vec2{0, 0}, {1, 0}, {0, 1}});
+  const double mean = TriangleOpacity(opacity, kSquares, kTwo).mean(0, {glm::vec2{0, 0}, {1, 0}, {0, 1}});
   EXPECT_TRUE(mean >= 0.0 && mean <= 1.0);
 }
 
@@ -149,7 +150,7 @@ TEST(Opacity, TwoFacesBackToBackAreOneSheet) {
   add_pane(opacity, 0, 0.25f);
   add_pane(opacity, 1, 0.25f);
   const Triangles back_to_back{{0, 1, 2}, {2, 1, 0}};
-  const TriangleOpacity lookup(opacity, kSquare, back_to_back);
+  const TriangleOpacity lookup(opacity, kSquares, back_to_back);
   for (std::uint64_t key = 0; key < 1000; ++key)
     EXPECT_EQ(lookup.passes(0, 0.3f, 0.3f, key), lookup.passes(1, 0.3f, 0.3f, key));
   EXPECT_EQ(caster_of(back_to_back, opacity).transmittance({0.7f, 0.2f, 1}, {0.7f, 0.2f, -2}), 0.75f);

@@ -13,12 +13,12 @@ namespace {
 
 using testing::HasSubstr;
 
-const std::vector<std::string> kSizes{"--texel-size", "0.1", "--cluster-size", "0.25"};
+const std::vector<std::string> kCheckedSizes{"--texel-size", "0.1", "--cluster-size", "0.25"};
 
 std::string precompute_into(const std::filesystem::path& file, const std::string& scene,
                             const std::vector<std::string>& options) {
   std::vector<std::string> command{"precompute", scene, "-o", file.string()};
-  command.insert(command.end(), kSizes.begin(), kSizes.end());
+  command.insert(command.end(), kCheckedSizes.begin(), kCheckedSizes.end());
   command.insert(command.end(), options.begin(), options.end());
   relume_json(command);
   return file.string();

@@ -4,10 +4,10 @@
 #include <tinyexr.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <memory>
 
 #include "support/quad_model.h"
+#include "tool/free_memory.h"
 #include "tool/image.h"
 #include "tool/lightmap_image.h"
 #include "tool/surface_shading.h"
@@ -16,10 +16,6 @@
 
 namespace relume::test {
 namespace {
-
-struct FreeMemory {
-  void operator()(void* memory) const { std::free(memory); }
-};
 
 const unsigned char* bytes_of(const std::vector<std::byte>& bytes) {
   return reinterpret_cast<const unsigned char*>(bytes.data());

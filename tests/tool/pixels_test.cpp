@@ -6,18 +6,14 @@
 #include <stb_image.h>
 #include <tinyexr.h>
 
-#include <cstdlib>
 #include <memory>
 
 #include "scene/load_scene.h"
+#include "tool/free_memory.h"
 #include "tool/program.h"
 
 namespace relume::test {
 namespace {
-
-struct FreeMemory {
-  void operator()(void* memory) const { std::free(memory); }
-};
 
 /// Exposure puts the mean, 2, at 0.3, which is below white: the curve gives 0.3 (1 + 0.3) / (1 + 0.3), and
 /// sRGB codes 0.3 as 148.6. Rows of 64 rays sum to 1 within 0.1 %, a seventh of a level.

@@ -16,10 +16,11 @@
 namespace relume::test {
 namespace {
 
+using P = glm::dvec3;
+
 Scene furnished_corner() {
   SceneBuilder b;
   const auto wall = b.material("wall", Rgb(0.6)), lamp = b.material("lamp", Rgb(0.3), Rgb(50.0));
-  using P = glm::dvec3;
   b.add_quad("floor", wall, {P(0, 0, 0), P(0, 0, 3), P(4, 0, 3), P(4, 0, 0)});
   b.add_quad("wall/a", wall, {P(0, 0, 0), P(4, 0, 0), P(4, 2, 0), P(0, 2, 0)});
   b.add_quad("wall/b", wall, {P(0, 0, 3), P(0, 0, 0), P(0, 2, 0), P(0, 2, 3)});

@@ -11,11 +11,12 @@
 namespace relume::test {
 namespace {
 
+using P = glm::dvec3;
+
 /// A corner of a room with furniture and a lamp, open above: split lumels, emitters, sky.
 Scene open_room_with_a_lamp() {
   SceneBuilder b;
   const auto wall = b.material("wall", Rgb(0.6)), lamp = b.material("lamp", Rgb(0.3), Rgb(50.0));
-  using P = glm::dvec3;
   b.add_quad("floor", wall, {P(0, 0, 0), P(0, 0, 3), P(4, 0, 3), P(4, 0, 0)});
   b.add_quad("wall/a", wall, {P(0, 0, 0), P(4, 0, 0), P(4, 2, 0), P(0, 2, 0)});
   b.add_quad("wall/b", wall, {P(0, 0, 3), P(0, 0, 0), P(0, 2, 0), P(0, 2, 3)});
@@ -31,7 +32,6 @@ Scene open_room_with_a_lamp() {
 /// order of a search tree.
 Scene open_room_with_a_rug() {
   Scene scene = open_room_with_a_lamp();
-  using P = glm::dvec3;
   SceneBuilder b;
   b.scene() = std::move(scene);
   b.add_quad("floor again", 0, {P(0, 0, 0), P(0, 0, 3), P(4, 0, 3), P(4, 0, 0)});
@@ -80,7 +80,6 @@ std::map<std::array<float, 3>, float> row_of(const System& system, const CsrMatr
 
 /// Two closed rooms far enough from each other, with or without a crate in the second.
 Scene two_closed_rooms(bool crate) {
-  using P = glm::dvec3;
   SceneBuilder b;
   const auto wall = b.material("wall", Rgb(0.6));
   b.add_room("first", wall, P(0.0), P(2.0));
