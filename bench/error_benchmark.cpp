@@ -58,6 +58,14 @@ void report_subject(const ConvergedAnswer& truth, const Subject& subject, const 
   add("precompute", "s", {solved.report.seconds_total});
 }
 
+/// How far the densest model is from the converged answer: about as uncertain is that, at most.
+Measurement extrapolation(const ConvergedAnswer& truth) {
+  std::vector<double> errors;
+  for (std::size_t l = 0; l < truth.densest.size(); ++l)
+    errors.push_back(worst_room_error(truth, l, truth.densest[l]));
+  return {kName, "densest model: measured, five lights", "", std::move(errors)};
+}
+
 }  // namespace
 
 Measurements error(const BenchmarkOptions& options) {
@@ -69,7 +77,9 @@ Measurements error(const BenchmarkOptions& options) {
   base.sensors = test->sensors;
   const auto truth = converged_answer(*test, base);
   if (!truth) return tl::unexpected(truth.error());
-  std::vector<Measurement> result{{kName, "clusters of the converged answer", "", {double(truth->clusters)}}};
+  std::vector<Measurement> result{{kName, "clusters of the converged answer", "", {double(truth->clusters)}},
+                                  extrapolation(*truth)};
+  fmt::print(stderr, "{}: {}\n", result[1].name, fmt::join(result[1].values, " "));
   for (const Subject& subject : subjects(options)) {
     PrecomputeOptions chosen = base;
     chosen.error = subject.error, chosen.budget = subject.budget;
