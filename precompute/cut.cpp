@@ -19,6 +19,9 @@ constexpr float kAtLeast = 0.1f;
 /// What a light in an unknown place counts for: square of the share of a room's indirect light that comes
 /// from its spot at first hand. Spots are no smaller than this share of the room's surface.
 constexpr float kSpots = 0.02f, kLeastSpot = 0.003f;
+/// Rooms that get less of the light of another are treated as if they got this share: they would take the
+/// most form factors and matter least.
+constexpr float kLeastBrightness = 0.3f;
 
 /// Of one leaf after the other: adds what rows receive from it to the sums before it.
 struct LeafSums {
@@ -58,6 +61,18 @@ float density(const SurfacePoint& from, const NodeSurface& to) {
   const float here = all_sides ? 0.5f * glm::length(way) : glm::dot(way, from.normal);
   const float there = -glm::dot(way, to.normal);
   return here <= 0.0f || there <= 0.0f ? 0.0f : here * there / (squared * squared);
+}
+
+/// Of a room, relative to another while that is lit: what it gets from there alone is no more than its least
+/// share under all probings.
+float relative_brightness(const Probing& probing, std::uint32_t room, std::uint32_t lit) {
+  if (room == lit) return 1.0f;
+  float least = 1.0f;
+  for (std::size_t p = 0; p < kProbings; ++p) {
+    const float own = probing.weights[room][p], other = probing.weights[lit][p];
+    if (own > 0.0f && other > 0.0f) least = std::min(least, other / own);
+  }
+  return std::max(least, kLeastBrightness);
 }
 
 }  // namespace
@@ -176,16 +191,20 @@ TileCutter::Candidate TileCutter::candidate(std::uint32_t node, std::size_t firs
 
 float TileCutter::spot_error(const Candidate& c) const {
   const TreeNodeRange& range = tree_.nodes[c.node];
+  const std::uint32_t lit = probing_.rooms[range.first];
+  std::uint32_t room = lit;
+  float bright = 1.0f;
   const NodeSurface& own = probing_.surfaces[c.node];
   if (own.area <= 0.0f) return 0.0f;
   const NodeSurface &left = probing_.surfaces[range.left], &right = probing_.surfaces[range.left + 1];
   float sum = 0.0f;
   for (std::size_t r = 0; r < tile_.size(); ++r) {
-    if (row_rooms_[r] != probing_.rooms[range.first]) continue;
+    if (row_rooms_[r] == kNoRoom) continue;
+    if (row_rooms_[r] != room) room = row_rooms_[r], bright = relative_brightness(probing_, room, lit);
     const float factor = factor_sums_[c.last * tile_.size() + r] - factor_sums_[c.first * tile_.size() + r];
     const float here = density(tile_[r].place, left), there = density(tile_[r].place, right);
     const float mean = (left.area * here + right.area * there) / own.area;
-    const float difference = mean > 0.0f ? factor * (here - there) / mean : factor;
+    const float difference = (mean > 0.0f ? factor * (here - there) / mean : factor) / bright;
     sum += difference * difference;
   }
   const float halves = left.area * right.area / (own.area * own.area);

@@ -71,7 +71,7 @@ class TileCutter {
   /// changes the irradiance of the rows most: sum_j F_j (b_j - b_n) for each row and probing, relative to the
   /// irradiance of the room that the row lies in, root mean square, less what the noise of the rays alone
   /// would make of it; and what it would hide of a light that no probing knows of, which lights a
-  /// small spot somewhere in the room.
+  /// small spot somewhere in the room, or in another room and is all the light that gets here.
   CutTile cut(std::span<const CutRow> tile, const CutLimits& limits);
 
   /// All refinements down to the leaves.
@@ -86,9 +86,9 @@ class TileCutter {
   std::vector<Candidate> refine(Stop&& stop);
   Candidate candidate(std::uint32_t node, std::size_t first, std::size_t last) const;
   /// Adds a node's errors to what the tile has so far, or (-1) takes them away.
-  /// What a node hides of a small light that shines somewhere in the room of the rows: squared, mean over the
-  /// places where it may shine. Its halves differ in what a row sees of their area as the cosine law says of
-  /// their middles.
+  /// What a node hides of a small light that shines somewhere in its room, relative to what the room of the
+  /// rows gets of that: squared, mean over the places where it may shine. Its halves differ in what a row
+  /// sees of their area as the cosine law says of their middles.
   float spot_error(const Candidate& c) const;
   void book(const Candidate& candidate, float sign);
   /// Squared: errors of nodes count as independent, and as what they add up to if that is more.
