@@ -242,6 +242,31 @@ TEST(Cut, RefinesNearbyWhereASpotMightShineThoughAllLooksAlike) {
   EXPECT_EQ(counts, (std::vector<std::uint32_t>{1, 1, 2, 4}));
 }
 
+// The same patches: four in the room of the row, four in another, of which it sees a fifth. By hand, what
+// their node hides of a spot there is 0.1 x 0.2 x 1.885 = 0.0377 of the light in that room.
+TEST(Cut, RefinesWhatLightsADimRoomForLightsThatNoProbingKnows) {
+  const ClusterTree tree = tree_of_eight();
+  Probing probing = shown(tree, std::vector<float>(8, 1.0f));
+  for (std::size_t n = 0; n < tree.nodes.size(); ++n) {
+    const TreeNodeRange& node = tree.nodes[n];
+    const float middle = float(node.first) + 0.5f * float(node.count - 1);
+    probing.surfaces[n] = {float(node.count), 8.0f, {middle, 0, 0}, {0, 1, 0}};
+  }
+  probing.rooms = {0, 0, 0, 0, 1, 1, 1, 1};
+  const FormFactorRow row{{0, 4, 5, 6, 7}, {0.6f, 0.1f, 0.05f, 0.03f, 0.02f}};
+  const std::vector<CutRow> tile{{&row, kManyRays, 0.0f, {{4, 1, 0}, {0, -1, 0}}}};
+  const auto nodes_there = [&](float brightness_there) {
+    probing.weights.resize(2);
+    probing.weights[1].fill(1.0f / brightness_there);
+    const CutTile cut = TileCutter({tree, probing}).cut(tile, {0, 0.07});
+    const auto kept = ranges(tree, cut);
+    return std::count_if(kept.begin(), kept.end(), [](const TreeNodeRange& node) { return node.first >= 4; });
+  };
+  EXPECT_EQ(nodes_there(1.0f), 1);
+  EXPECT_EQ(nodes_there(1.8f), 1);
+  EXPECT_GT(nodes_there(2.0f), 1);
+}
+
 // Rows of 2 m2 and 1 m2 that keep the root: 2 x 0.5 = 1 m2 from leaf 0, 2 x 0.25 + 0.5 = 1 m2 from leaf 1,
 // 0.25 from leaf 7.
 TEST(NodeFlux, IsWhatTheRowsReceiveFromEachLeafByWayOfTheNode) {
