@@ -112,7 +112,8 @@ void Views::keep(const SurfacePoint& a, const SurfacePoint& b, bool visible) {
 
 bool Views::settle(Answer old, const SurfacePoint& a, const SurfacePoint& b, std::uint64_t& rays) const {
   const float reach = kLiftReach * glm::length(b.position - a.position) + 2.0f * geometry_.offset;
-  if (old != Answer::unknown && !change_->disturbed(a.position, reach)) return old == Answer::yes;
+  const bool stands = change_ != nullptr && old != Answer::unknown && !change_->disturbed(a.position, reach);
+  if (stands) return old == Answer::yes;
   rays += 3;
   return mutually_visible(geometry_, caster_, a, b);
 }
