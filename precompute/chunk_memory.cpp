@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <new>
 
 #include "precompute/large_memory.h"
 
@@ -21,7 +20,6 @@ std::span<std::byte> ChunkMemory::take(std::size_t bytes) {
   if (used_ + room > size_) {
     size_ = std::max(room, kChunk), used_ = 0;
     chunks_.push_back(large_memory(size_));
-    if (!chunks_.back()) throw std::bad_alloc();
   }
   const std::span taken(chunks_.back().get() + used_, bytes);
   used_ += room;

@@ -85,11 +85,11 @@ class TileCutter {
   template <class Stop>
   std::vector<Candidate> refine(Stop&& stop);
   Candidate candidate(std::uint32_t node, std::size_t first, std::size_t last) const;
-  /// Adds a node's errors to what the tile has so far, or (-1) takes them away.
   /// What a node hides of a small light that shines somewhere in its room, relative to what the room of the
   /// rows gets of that: squared, mean over the places where it may shine. Its halves differ in what a row
   /// sees of their area as the cosine law says of their middles.
   float spot_error(const Candidate& c) const;
+  /// Adds a node's errors to what the tile has so far, or (-1) takes them away.
   void book(const Candidate& candidate, float sign);
   /// Squared: errors of nodes count as independent, and as what they add up to if that is more.
   float tile_error() const;

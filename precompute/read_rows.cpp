@@ -40,9 +40,7 @@ std::size_t read_part(int descriptor, std::byte* to, std::size_t offset, std::si
 class FileBytes {
  public:
   FileBytes(const fs::path& file, FileDescriptor descriptor, std::size_t size)
-      : name_(file.string()), descriptor_(std::move(descriptor)), size_(size), bytes_(large_memory(size)) {
-    if (!bytes_) throw std::bad_alloc();
-  }
+      : name_(file.string()), descriptor_(std::move(descriptor)), size_(size), bytes_(large_memory(size)) {}
 
   const std::string& name() const { return name_; }
   std::size_t size() const { return size_; }

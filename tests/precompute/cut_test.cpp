@@ -219,16 +219,21 @@ TEST(CoarsenImports, CannotGoAboveRoots) {
   EXPECT_EQ(coarser.count, 4u);
 }
 
-// Eight patches of 1 m2 side by side on the floor, all of one radiosity, seen from 1 m above the first: but a
-// light may come that shines on one of them.
-TEST(Cut, RefinesNearbyWhereASpotMightShineThoughAllLooksAlike) {
-  const ClusterTree tree = tree_of_eight();
+/// Eight of 1 m2 side by side on the floor, all of one radiosity.
+Probing patches_in_a_row(const ClusterTree& tree) {
   Probing probing = shown(tree, std::vector<float>(8, 1.0f));
   for (std::size_t n = 0; n < tree.nodes.size(); ++n) {
     const TreeNodeRange& node = tree.nodes[n];
     const float middle = float(node.first) + 0.5f * float(node.count - 1);
     probing.surfaces[n] = {float(node.count), 8.0f, {middle, 0, 0}, {0, 1, 0}};
   }
+  return probing;
+}
+
+// Such patches, seen from 1 m above the first: but a light may come that shines on one of them.
+TEST(Cut, RefinesNearbyWhereASpotMightShineThoughAllLooksAlike) {
+  const ClusterTree tree = tree_of_eight();
+  const Probing probing = patches_in_a_row(tree);
   FormFactorRow row;
   for (std::uint32_t i = 0; i < 8; ++i) {
     row.senders.push_back(i);
@@ -246,12 +251,7 @@ TEST(Cut, RefinesNearbyWhereASpotMightShineThoughAllLooksAlike) {
 // their node hides of a spot there is 0.1 x 0.2 x 1.885 = 0.0377 of the light in that room.
 TEST(Cut, RefinesWhatLightsADimRoomForLightsThatNoProbingKnows) {
   const ClusterTree tree = tree_of_eight();
-  Probing probing = shown(tree, std::vector<float>(8, 1.0f));
-  for (std::size_t n = 0; n < tree.nodes.size(); ++n) {
-    const TreeNodeRange& node = tree.nodes[n];
-    const float middle = float(node.first) + 0.5f * float(node.count - 1);
-    probing.surfaces[n] = {float(node.count), 8.0f, {middle, 0, 0}, {0, 1, 0}};
-  }
+  Probing probing = patches_in_a_row(tree);
   probing.rooms = {0, 0, 0, 0, 1, 1, 1, 1};
   const FormFactorRow row{{0, 4, 5, 6, 7}, {0.6f, 0.1f, 0.05f, 0.03f, 0.02f}};
   const std::vector<CutRow> tile{{&row, kManyRays, 0.0f, {{4, 1, 0}, {0, -1, 0}}}};

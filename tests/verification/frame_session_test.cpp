@@ -25,7 +25,7 @@ std::vector<kernels::MaterialState> states_of(const Model& model, const Shown& s
 }
 
 /// |a - b| / |b|.
-double largest_difference(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
+double relative_difference(const std::vector<Rgb>& a, const std::vector<Rgb>& b) {
   EXPECT_EQ(a.size(), b.size());
   double off = 0.0, total = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -79,10 +79,10 @@ TEST_F(FrameSessionTest, FramesEndAtTheReference) {
     edited.materials[kAccent].base_color = shown.accent;
     const RunTimeLighting lit = light(model, edited, {shown.lights, shown.sky});
     const GatheredIrradiance expected = solve_and_gather(model, lit);
-    EXPECT_LE(largest_difference(session->read_irradiance().value(), expected.indirect), 1e-5);
-    EXPECT_LE(largest_difference(session->read_gather_direct().value(), expected.direct), 1e-3);
-    EXPECT_LE(largest_difference(session->read_direct().value(), lit.lighting.direct), 1e-3);
-    EXPECT_LE(largest_difference(session->read_albedo().value(), lit.lighting.albedo), 1e-6);
+    EXPECT_LE(relative_difference(session->read_irradiance().value(), expected.indirect), 1e-5);
+    EXPECT_LE(relative_difference(session->read_gather_direct().value(), expected.direct), 1e-3);
+    EXPECT_LE(relative_difference(session->read_direct().value(), lit.lighting.direct), 1e-3);
+    EXPECT_LE(relative_difference(session->read_albedo().value(), lit.lighting.albedo), 1e-6);
     std::vector<Rgb> sum = session->read_gather_direct().value();
     const std::vector<Rgb> indirect = session->read_irradiance().value();
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += indirect[i];
