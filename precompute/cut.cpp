@@ -191,11 +191,11 @@ TileCutter::Candidate TileCutter::candidate(std::uint32_t node, std::size_t firs
 
 float TileCutter::spot_error(const Candidate& c) const {
   const TreeNodeRange& range = tree_.nodes[c.node];
+  const NodeSurface& own = probing_.surfaces[c.node];
+  if (own.area <= 0.0f) return 0.0f;
   const std::uint32_t lit = probing_.rooms[range.first];
   std::uint32_t room = lit;
   float bright = 1.0f;
-  const NodeSurface& own = probing_.surfaces[c.node];
-  if (own.area <= 0.0f) return 0.0f;
   const NodeSurface &left = probing_.surfaces[range.left], &right = probing_.surfaces[range.left + 1];
   float sum = 0.0f;
   for (std::size_t r = 0; r < tile_.size(); ++r) {
