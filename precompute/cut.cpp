@@ -19,9 +19,13 @@ constexpr float kAtLeast = 0.1f;
 /// What a light in an unknown place counts for: square of the share of a room's indirect light that comes
 /// from its spot at first hand. Spots are no smaller than this share of the room's surface.
 constexpr float kSpots = 0.02f, kLeastSpot = 0.003f;
-/// Rooms that get less of the light of another are treated as if they got this share: they would take the
-/// most form factors and matter least.
-constexpr float kLeastBrightness = 0.3f;
+/// Of what a room gets of the light of another whose surfaces all glow: so much of it where a lamp shines on
+/// some of them, of which others see less. No room counts as getting less than the least: these would take
+/// the most form factors and matter least.
+constexpr float kOfShare = 0.3f, kLeastShare = 0.03f;
+/// What halves of a node differ in for a row counts where it is more than this much of what noise makes of
+/// it.
+constexpr float kNoiseOfHalves = 2.0f;
 
 /// Of one leaf after the other: adds what rows receive from it to the sums before it.
 struct LeafSums {
@@ -63,18 +67,6 @@ float density(const SurfacePoint& from, const NodeSurface& to) {
   return here <= 0.0f || there <= 0.0f ? 0.0f : here * there / (squared * squared);
 }
 
-/// Of a room, relative to another while that is lit: what it gets from there alone is no more than its least
-/// share under all probings.
-float relative_brightness(const Probing& probing, std::uint32_t room, std::uint32_t lit) {
-  if (room == lit) return 1.0f;
-  float least = 1.0f;
-  for (std::size_t p = 0; p < kProbings; ++p) {
-    const float own = probing.weights[room][p], other = probing.weights[lit][p];
-    if (own > 0.0f && other > 0.0f) least = std::min(least, other / own);
-  }
-  return std::max(least, kLeastBrightness);
-}
-
 }  // namespace
 
 /// A node that may be refined, or a leaf.
@@ -114,6 +106,30 @@ TileCutter::TileCutter(const CutSenders& senders)
       seen_(senders.probing.senders.size()),
       place_(senders.probing.senders.size()) {}
 
+std::uint32_t TileCutter::lit_room(std::uint32_t sender) const {
+  return sender < probing_.rooms.size() ? probing_.lit.number_of(probing_.rooms[sender]) : kNone;
+}
+
+float TileCutter::share(std::size_t row, std::uint32_t lit) const {
+  const std::uint32_t room = row_rooms_[row];
+  if (lit == kNone || room == kNoRoom || probing_.lit.number_of(room) == lit) return 1.0f;
+  return std::clamp(kOfShare * probing_.lit.share(room, lit), kLeastShare, 1.0f);
+}
+
+const std::vector<ProbingValues>& TileCutter::weights_of(std::uint32_t lit) {
+  if (lit == kNone) return weights_;
+  std::vector<ProbingValues>& weights = lit_weights_[lit];
+  if (!weights.empty()) return weights;
+  weights = weights_;
+  for (std::size_t r = 0; r < tile_.size(); ++r) {
+    const float part = share(r, lit);
+    if (part == 1.0f) continue;
+    for (std::size_t p = 0; p < kProbings; ++p)
+      weights[r][p] = std::max(weights[r][p], probing_.lit.weights[lit][p] / part);
+  }
+  return weights;
+}
+
 void TileCutter::unite(std::span<const CutRow> tile) {
   tile_.assign(tile.begin(), tile.end());
   for (const CutRow& row : tile_) {
@@ -144,6 +160,7 @@ void TileCutter::sum_up() {
     row_rooms_.push_back(room_of(probing_, *row.row));
     weights_.push_back(weights_of_room(probing_, row_rooms_.back()));
   }
+  lit_weights_.assign(probing_.lit.weights.size(), {});
   factor_sums_.assign(tile_.size(), 0.0f);
   factor_sums_.resize((leaves_.size() + 1) * tile_.size());
   light_sums_.assign(tile_.size(), ProbingValues{});
@@ -155,19 +172,31 @@ void TileCutter::sum_up() {
     for (std::size_t r = 0; r < factors.size(); ++r)
       factor_sums_[at + tile_.size() + r] = factor_sums_[at + r] + factors[r];
     noise_sums_.push_back(noise_sums_.back());
-    add_leaf({factors, probing_.senders[leaves_[i]], weights_, tile_}, &light_sums_[at], noise_sums_.back());
+    add_leaf({factors, probing_.senders[leaves_[i]], weights_of(lit_room(leaves_[i])), tile_},
+             &light_sums_[at], noise_sums_.back());
   }
   added_errors_.assign(tile_.size(), ProbingValues{});
   squared_errors_ = spot_errors_ = 0.0;
 }
 
-TileCutter::Candidate TileCutter::candidate(std::uint32_t node, std::size_t first, std::size_t last) const {
+std::size_t TileCutter::leaves_before(std::uint32_t sender, const Candidate& c) const {
+  const auto begin = leaves_.begin() + std::ptrdiff_t(c.first),
+             end = leaves_.begin() + std::ptrdiff_t(c.last);
+  return std::size_t(std::lower_bound(begin, end, sender) - leaves_.begin());
+}
+
+float TileCutter::factor(std::size_t first, std::size_t last, std::size_t row) const {
+  return factor_sums_[last * tile_.size() + row] - factor_sums_[first * tile_.size() + row];
+}
+
+TileCutter::Candidate TileCutter::candidate(std::uint32_t node, std::size_t first, std::size_t last) {
   const TreeNodeRange& range = tree_.nodes[node];
   const auto begin = leaves_.begin() + std::ptrdiff_t(first), end = leaves_.begin() + std::ptrdiff_t(last);
   Candidate result{0.0f, node, std::size_t(std::lower_bound(begin, end, range.first) - leaves_.begin()),
                    std::size_t(std::lower_bound(begin, end, range.first + range.count) - leaves_.begin())};
   if (range.count == 1 || result.first == result.last) return result;
   const ProbingValues& mean = probing_.nodes[node];
+  const std::vector<ProbingValues>& weights = weights_of(lit_room(range.first));
   float squared = 0.0f, noise = 0.0f;
   for (std::size_t p = 0; p < kProbings; ++p)
     noise += noise_sums_[result.last][p] - noise_sums_[result.first][p];
@@ -176,9 +205,9 @@ TileCutter::Candidate TileCutter::candidate(std::uint32_t node, std::size_t firs
     const float factor = factor_sums_[after] - factor_sums_[before];
     for (std::size_t p = 0; p < kProbings; ++p) {
       const float light = light_sums_[after][p] - light_sums_[before][p];
-      const float error = (light - factor * mean[p]) * weights_[r][p];
+      const float error = (light - factor * mean[p]) * weights[r][p];
       squared += error * error;
-      noise += mean[p] * (factor * mean[p] - 2.0f * light) * weights_[r][p] * weights_[r][p] / tile_[r].rays;
+      noise += mean[p] * (factor * mean[p] - 2.0f * light) * weights[r][p] * weights[r][p] / tile_[r].rays;
     }
   }
   noise = std::clamp(noise, 0.0f, squared);
@@ -193,23 +222,24 @@ float TileCutter::spot_error(const Candidate& c) const {
   const TreeNodeRange& range = tree_.nodes[c.node];
   const NodeSurface& own = probing_.surfaces[c.node];
   if (own.area <= 0.0f) return 0.0f;
-  const std::uint32_t lit = probing_.rooms[range.first];
-  std::uint32_t room = lit;
-  float bright = 1.0f;
   const NodeSurface &left = probing_.surfaces[range.left], &right = probing_.surfaces[range.left + 1];
-  float sum = 0.0f;
+  const std::uint32_t lit = lit_room(range.first);
+  const std::size_t middle = leaves_before(tree_.nodes[range.left + 1].first, c);
+  float expected = 0.0f, seen = 0.0f;
   for (std::size_t r = 0; r < tile_.size(); ++r) {
-    if (row_rooms_[r] == kNoRoom) continue;
-    if (row_rooms_[r] != room) room = row_rooms_[r], bright = relative_brightness(probing_, room, lit);
-    const float factor = factor_sums_[c.last * tile_.size() + r] - factor_sums_[c.first * tile_.size() + r];
+    if (row_rooms_[r] == kNoRoom || (lit == kNone && row_rooms_[r] != probing_.rooms[range.first])) continue;
     const float here = density(tile_[r].place, left), there = density(tile_[r].place, right);
     const float mean = (left.area * here + right.area * there) / own.area;
-    const float difference = (mean > 0.0f ? factor * (here - there) / mean : factor) / bright;
-    sum += difference * difference;
+    const float first = factor(c.first, middle, r) / left.area,
+                second = factor(middle, c.last, r) / right.area, both = factor(c.first, c.last, r) / own.area;
+    const float difference = mean > 0.0f ? both * (here - there) / mean : both;
+    const float noise = (first / left.area + second / right.area) / tile_[r].rays;
+    const float part = share(r, lit), weight = 1.0f / (part * part);
+    expected += weight * difference * difference;
+    seen += weight * ((first - second) * (first - second) - kNoiseOfHalves * noise);
   }
-  const float halves = left.area * right.area / (own.area * own.area);
   const float spots = own.room_area / std::max(own.area, kLeastSpot * own.room_area);
-  return kSpots * spots * halves * sum / float(tile_.size());
+  return kSpots * spots * left.area * right.area * std::max(expected, seen) / float(tile_.size());
 }
 
 void TileCutter::book(const Candidate& c, float sign) {
@@ -217,12 +247,13 @@ void TileCutter::book(const Candidate& c, float sign) {
   spot_errors_ += double(sign * c.spot_error);
   if (tree_.nodes[c.node].count == 1) return;
   const ProbingValues& mean = probing_.nodes[c.node];
+  const std::vector<ProbingValues>& weights = weights_of(lit_room(tree_.nodes[c.node].first));
   for (std::size_t r = 0; r < tile_.size(); ++r) {
     const std::size_t before = c.first * tile_.size() + r, after = c.last * tile_.size() + r;
     const float factor = factor_sums_[after] - factor_sums_[before];
     for (std::size_t p = 0; p < kProbings; ++p) {
       added_errors_[r][p] +=
-          sign * (light_sums_[after][p] - light_sums_[before][p] - factor * mean[p]) * weights_[r][p];
+          sign * (light_sums_[after][p] - light_sums_[before][p] - factor * mean[p]) * weights[r][p];
     }
   }
 }

@@ -71,7 +71,7 @@ class TileCutter {
   /// changes the irradiance of the rows most: sum_j F_j (b_j - b_n) for each row and probing, relative to the
   /// irradiance of the room that the row lies in, root mean square, less what the noise of the rays alone
   /// would make of it; and what it would hide of a light that no probing knows of, which lights a
-  /// small spot somewhere in the room, or in another room and is all the light that gets here.
+  /// small spot somewhere in the room. Of nodes in other rooms, as if those alone were lit.
   CutTile cut(std::span<const CutRow> tile, const CutLimits& limits);
 
   /// All refinements down to the leaves.
@@ -84,10 +84,22 @@ class TileCutter {
   /// Refines until stop(error of the worst node, nodes) says so; returns what is kept.
   template <class Stop>
   std::vector<Candidate> refine(Stop&& stop);
-  Candidate candidate(std::uint32_t node, std::size_t first, std::size_t last) const;
+  Candidate candidate(std::uint32_t node, std::size_t first, std::size_t last);
+  /// Of the leaves that rows see: those before the sender, of the candidate's and all before these.
+  std::size_t leaves_before(std::uint32_t sender, const Candidate& c) const;
+  /// Number of the room that a sender lies in among the lit ones, or kNone.
+  std::uint32_t lit_room(std::uint32_t sender) const;
+  /// What the room of the row gets of the light of a lit room while no other is lit; 1 of its own, and of
+  /// rooms that are not lit.
+  float share(std::size_t row, std::uint32_t lit) const;
+  /// [row], of senders in a lit room: as if no other were lit.
+  const std::vector<ProbingValues>& weights_of(std::uint32_t lit);
+  /// Of all leaves in [first, last).
+  float factor(std::size_t first, std::size_t last, std::size_t row) const;
   /// What a node hides of a small light that shines somewhere in its room, relative to what the room of the
   /// rows gets of that: squared, mean over the places where it may shine. Its halves differ in what a row
-  /// sees of their area as the cosine law says of their middles.
+  /// sees of their area as the cosine law says of their middles, or as the form factors do, if that is more:
+  /// through a door, some of a wall is seen.
   float spot_error(const Candidate& c) const;
   /// Adds a node's errors to what the tile has so far, or (-1) takes them away.
   void book(const Candidate& candidate, float sign);
@@ -112,6 +124,8 @@ class TileCutter {
   std::vector<ProbingValues>
       noise_sums_;                      ///< [leaf]: of form factor x (weight x radiosity)^2 / rays over rows
   std::vector<ProbingValues> weights_;  ///< [row]
+  std::vector<std::vector<ProbingValues>>
+      lit_weights_;  ///< [lit room][row], as weights_of(); empty until needed
   std::vector<CutRow> tile_;
   std::vector<std::uint32_t> row_rooms_;     ///< [row]
   std::vector<ProbingValues> added_errors_;  ///< [row]: of all nodes kept so far

@@ -6,15 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <iterator>
-#include <map>
 #include <numeric>
+#include <span>
 
-#include "core/quantities.h"
-#include "core/sky.h"
-#include "precompute/clearance.h"
 #include "precompute/probed_rooms.h"
 #include "precompute/probing_dice.h"
+#include "precompute/probing_lights.h"
 #include "precompute/probing_means.h"
 #include "precompute/rows.h"
 #include "precompute/sampling.h"
@@ -27,13 +24,6 @@ constexpr int kBounces = 12;
 constexpr float kLeastAlbedo = 0.2f, kMostAlbedo = 0.8f;
 /// By how much albedo may differ inside a material.
 constexpr float kTexture = 0.2f;
-/// Shares of the surface of a room: square of the distance that lamps keep, and area of what glows, at least.
-constexpr float kLampStandOff = 1e-3f, kLeastPatch = 2e-3f;
-/// Places tried for a lamp and for a spot light, which would light next to nothing from near.
-constexpr int kLampTries = 4, kSpotTries = 8;
-/// Half the angle of the cone of a spot light, at least and at most; it is as bright as can be to half of
-/// that.
-constexpr float kNarrowCone = 0.4f, kWideCone = 0.7f;
 /// By how much light may differ across a room, in waves from about as long as the room is to so many times
 /// shorter: other lights shine in other places.
 constexpr float kWave = 0.5f, kShortestWave = 12.0f;
@@ -44,6 +34,8 @@ constexpr float kLeastLitShare = 0.01f;
 /// Rooms count as at least so bright, of the brightest: the large ones, and those that are too small to
 /// matter.
 constexpr float kDimmest = 1e-2f, kDimmestNook = 0.3f;
+/// Less than this of the brightest: lit by others alone.
+constexpr float kDim = 0.1f;
 
 /// Cluster sizes follow the probings of a room that err most, where a beam ends on large clusters; lights
 /// that nobody knew err by about this much of it at worst.
@@ -70,7 +62,12 @@ class Prober {
   }
 
   Probing run() {
-    light();
+    number_lit_rooms();
+    find_shares();
+    ProbingLights lights = probing_lights({scene_, clusters_, rooms_, result_.rooms, least_lit_area_});
+    std::copy(lights.sky.begin(), lights.sky.end(),
+              result_.senders.begin() + std::ptrdiff_t(clusters_.size()));
+    emitted_ = std::move(lights.emitted), arriving_ = std::move(lights.arriving);
     bounce();
     weigh();
     vary();
@@ -80,18 +77,6 @@ class Prober {
   }
 
  private:
-  void light();
-  void light_room(std::uint32_t room, std::size_t probing);
-  glm::vec3 free_place(const ProbedRoom& room, const Choices& choices, Dice& dice, int tries) const;
-  void point_light(const ProbedRoom& room, const Choices& choices, Dice& dice, std::size_t probing);
-  void spot_light(const ProbedRoom& room, const Choices& choices, Dice& dice, std::size_t probing);
-  /// `intensity(direction)`: to a surface.
-  template <class Intensity>
-  void shine(const ProbedRoom& room, const glm::vec3& position, std::size_t probing, Intensity&& intensity);
-  void glowing_patch(const ProbedRoom& room, const Choices& choices, std::size_t probing);
-  /// Those of one material, by turns; false when there are none.
-  bool emitters_of_room(std::uint32_t room, float strength, std::size_t probing);
-  void sky(std::size_t probing);
   float albedo(std::uint32_t material, std::size_t probing) const {
     return kLeastAlbedo + (kMostAlbedo - kLeastAlbedo) * Dice(scene_.seed, 0x616c + material, probing).next();
   }
@@ -100,6 +85,9 @@ class Prober {
   /// Makes radiosities differ as textures and lights in other places would.
   void vary();
   void weigh();
+  void number_lit_rooms();
+  /// What rooms get of the light of the lit ones.
+  void find_shares();
   static std::vector<ProbingValues> irradiance(const std::vector<FormFactorRow>& rows,
                                                const std::vector<ProbingValues>& senders);
   double cluster_error() const;
@@ -116,138 +104,11 @@ class Prober {
   std::vector<ProbedCluster> clusters_;
   std::vector<ProbedRoom> rooms_;
   float least_lit_area_ = 0.0f;
-  std::vector<ProbingValues> emitted_;   ///< per cluster: exitance
-  std::vector<ProbingValues> arriving_;  ///< per cluster: direct irradiance
+  std::vector<std::uint32_t> lit_rooms_;  ///< none where there are not two
+  std::vector<ProbingValues> emitted_;    ///< per cluster: exitance
+  std::vector<ProbingValues> arriving_;   ///< per cluster: direct irradiance
   Probing result_;
 };
-
-void Prober::light() {
-  emitted_.assign(clusters_.size(), ProbingValues{});
-  arriving_.assign(clusters_.size(), ProbingValues{});
-  for (std::size_t p = 0; p < kProbings; ++p) {
-    if (p % 4 == 0) sky(p);
-    for (std::uint32_t room = 0; room < rooms_.size(); ++room) light_room(room, p);
-  }
-}
-
-void Prober::light_room(std::uint32_t index, std::size_t probing) {
-  const ProbedRoom& room = rooms_[index];
-  Dice dice(scene_.seed, 0x726f + index, probing);
-  const Choices choices(scene_.seed, index, probing);
-  const float kind = choices.kind;
-  const float strength = 0.2f + 0.8f * dice.next();
-  if (room.area() < least_lit_area_) {
-    for (const auto c : room.clusters) emitted_[c][probing] = strength * dice.next();
-  } else if ((kind < 0.2f && rooms_.size() > 1) ||  // dark, but for what comes from its neighbours
-             (by_emitters(probing) && emitters_of_room(index, strength, probing))) {
-    return;
-  } else if (kind > 0.9f) {
-    glowing_patch(room, choices, probing);
-  } else if (kind > 0.65f) {
-    spot_light(room, choices, dice, probing);
-  } else {
-    point_light(room, choices, dice, probing);
-  }
-}
-
-/// Where a lamp may hang: of some places the one that is farthest from all surfaces.
-glm::vec3 Prober::free_place(const ProbedRoom& room, const Choices& choices, Dice& dice, int tries) const {
-  glm::vec3 best(0.0f);
-  float radius = -1.0f;
-  for (int attempt = 0; attempt < tries; ++attempt) {
-    const SurfacePoint& under = room.choose(attempt == 0 ? choices.place : dice.next());
-    const glm::vec3 start = under.position + scene_.geometry.offset * under.normal;
-    RayPacket up{};
-    up.far.fill(-1.0f);
-    up.origin_x[0] = start.x, up.origin_y[0] = start.y, up.origin_z[0] = start.z;
-    up.direction_x[0] = under.normal.x, up.direction_y[0] = under.normal.y,
-    up.direction_z[0] = under.normal.z;
-    const float most = std::sqrt(room.area());
-    up.far[0] = most;
-    scene_.caster.closest_hits(up);
-    const glm::vec3 place = start + std::min(up.far[0], most) * (0.1f + 0.8f * dice.next()) * under.normal;
-    const float free = std::min(free_radius(scene_.caster, place), most);
-    if (free > radius) best = place, radius = free;
-  }
-  return best;
-}
-
-template <class Intensity>
-void Prober::shine(const ProbedRoom& room, const glm::vec3& position, std::size_t probing,
-                   Intensity&& intensity) {
-  tbb::parallel_for(std::size_t{0}, clusters_.size(), [&](std::size_t c) {
-    const SurfacePoint& at = clusters_[c].at;
-    const glm::vec3 to = position - at.position;
-    const float squared = glm::dot(to, to), cosine = glm::dot(to, at.normal);
-    if (cosine <= 0.0f || squared <= 0.0f) return;
-    const float distance = std::sqrt(squared), candela = intensity(to / -distance);
-    if (candela <= 0.0f) return;
-    if (scene_.caster.occluded(at.position + scene_.geometry.offset * at.normal, position)) return;
-    arriving_[c][probing] += candela * (cosine / distance) / std::max(squared, kLampStandOff * room.area());
-  });
-}
-
-void Prober::point_light(const ProbedRoom& room, const Choices& choices, Dice& dice, std::size_t probing) {
-  // As much flux as would give the room one lux.
-  const float candela = room.area() / float(4.0 * kPi);
-  shine(room, free_place(room, choices, dice, kLampTries), probing,
-        [candela](const glm::vec3&) { return candela; });
-}
-
-/// At any surface of the room.
-void Prober::spot_light(const ProbedRoom& room, const Choices& choices, Dice& dice, std::size_t probing) {
-  const glm::vec3 position = free_place(room, choices, dice, kSpotTries);
-  const glm::vec3 way = room.choose(choices.target).position - position;
-  const float angle = kNarrowCone + (kWideCone - kNarrowCone) * dice.next();
-  if (glm::length(way) <= 0.0f) return;
-  const glm::vec3 axis = glm::normalize(way);
-  const float outer = std::cos(angle), inner = std::cos(0.5f * angle);
-  const float candela = room.area() / (float(2.0 * kPi) * (1.0f - 0.5f * (inner + outer)));
-  shine(room, position, probing, [=](const glm::vec3& direction) {
-    const float share = std::clamp((glm::dot(direction, axis) - outer) / (inner - outer), 0.0f, 1.0f);
-    return candela * share * share;
-  });
-}
-
-void Prober::glowing_patch(const ProbedRoom& room, const Choices& choices, std::size_t probing) {
-  const SurfacePoint& middle = room.choose(choices.target);
-  const float radius = 0.1f * std::sqrt(room.area());
-  std::vector<std::uint32_t> patch;
-  float area = 0.0f;
-  for (const auto c : room.clusters) {
-    const SurfacePoint& at = clusters_[c].at;
-    if (glm::length(at.position - middle.position) > radius || glm::dot(at.normal, middle.normal) < 0.5f)
-      continue;
-    patch.push_back(c);
-    area += clusters_[c].area;
-  }
-  for (const auto c : patch) emitted_[c][probing] += room.area() / std::max(area, kLeastPatch * room.area());
-}
-
-bool Prober::emitters_of_room(std::uint32_t index, float strength, std::size_t probing) {
-  std::map<std::uint32_t, float> areas;  // per material
-  for (const Emitter& emitter : scene_.emitters.list) {
-    if (result_.rooms[emitter.cluster] == index) areas[emitter.material] += float(emitter.area);
-  }
-  if (areas.empty()) return false;
-  const auto [material, area] = *std::next(areas.begin(), std::ptrdiff_t(probing / 8 % areas.size()));
-  for (const Emitter& emitter : scene_.emitters.list) {
-    if (result_.rooms[emitter.cluster] == index && emitter.material == material)
-      emitted_[emitter.cluster][probing] +=
-          strength * rooms_[index].area() / std::max(area, kLeastPatch * rooms_[index].area());
-  }
-  return true;
-}
-
-void Prober::sky(std::size_t probing) {
-  Dice dice(scene_.seed, 0x736b, probing);
-  const glm::vec3 bright = glm::normalize(glm::vec3(dice.next() - 0.5f, dice.next(), dice.next() - 0.5f));
-  for (std::size_t i = 0; i < scene_.senders.sky_cells.size(); ++i) {
-    const glm::vec3 direction(sky_cell_direction(scene_.senders.sky_cells[i], scene_.senders.sky_resolution));
-    result_.senders[clusters_.size() + i][probing] =
-        probing == 0 ? 1.0f : 1.0f + 0.9f * glm::dot(direction, bright);
-  }
-}
 
 std::vector<ProbingValues> Prober::irradiance(const std::vector<FormFactorRow>& rows,
                                               const std::vector<ProbingValues>& senders) {
@@ -319,6 +180,36 @@ void Prober::find_surfaces() {
   }
 }
 
+void Prober::number_lit_rooms() {
+  result_.lit.number.assign(rooms_.size(), kNone);
+  for (std::uint32_t room = 0; room < rooms_.size(); ++room) {
+    if (rooms_[room].area() >= least_lit_area_) lit_rooms_.push_back(room);
+  }
+  if (lit_rooms_.size() < 2) lit_rooms_.clear();
+  for (std::uint32_t i = 0; i < lit_rooms_.size(); ++i) result_.lit.number[lit_rooms_[i]] = i;
+}
+
+void Prober::find_shares() {
+  result_.lit.weights.assign(lit_rooms_.size(), ProbingValues{});
+  result_.lit.shares.assign(rooms_.size() * lit_rooms_.size(), 0.0f);
+  for (std::size_t first = 0; first < lit_rooms_.size(); first += kProbings) {
+    const auto glowing = std::span(lit_rooms_).subspan(first, std::min(lit_rooms_.size() - first, kProbings));
+    emitted_.assign(clusters_.size(), ProbingValues{});
+    arriving_.assign(clusters_.size(), ProbingValues{});
+    for (std::size_t p = 0; p < glowing.size(); ++p) {
+      for (const auto c : rooms_[glowing[p]].clusters) emitted_[c][p] = 1.0f;
+    }
+    bounce();
+    const std::vector<ProbingValues> means = room_means(irradiance(rows_, result_.senders));
+    for (std::size_t room = 0; room < rooms_.size(); ++room) {
+      for (std::size_t p = 0; p < glowing.size(); ++p) {
+        const float own = means[glowing[p]][p];
+        result_.lit.shares[room * lit_rooms_.size() + first + p] = own > 0.0f ? means[room][p] / own : 0.0f;
+      }
+    }
+  }
+}
+
 void Prober::weigh() {
   const std::vector<ProbingValues> means = room_means(irradiance(rows_, result_.senders));
   ProbingValues brightest{};
@@ -330,6 +221,8 @@ void Prober::weigh() {
     for (std::size_t p = 0; p < kProbings; ++p) {
       const float least = (rooms_[room].area() < least_lit_area_ ? kDimmestNook : kDimmest) * brightest[p];
       if (least > 0.0f) result_.weights[room][p] = 1.0f / std::max(means[room][p], least);
+      if (result_.lit.number[room] != kNone && means[room][p] > kDim * brightest[p])
+        result_.lit.weights[result_.lit.number[room]][p] = result_.weights[room][p];
     }
   }
   result_.cluster_error = cluster_error();

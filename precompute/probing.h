@@ -39,6 +39,20 @@ struct NodeSurface {
   glm::vec3 centroid{0.0f}, normal{0.0f};
 };
 
+/// What rooms get of the light of others, of those that are large enough for lights of their own.
+struct LitRooms {
+  std::vector<std::uint32_t> number;   ///< per room: among these, or kNone
+  std::vector<ProbingValues> weights;  ///< [lit room]: as Probing::weights, but 0 where it is dark
+  /// [room][lit room]: root mean square of irradiance, relative to that in the lit room, while all surfaces
+  /// of that room glow and no others.
+  std::vector<float> shares;
+
+  std::uint32_t number_of(std::uint32_t room) const { return number.empty() ? kNone : number[room]; }
+  float share(std::uint32_t room, std::uint32_t lit) const {
+    return shares[std::size_t(room) * weights.size() + lit];
+  }
+};
+
 /// Radiosities under the probing emissions. Numbers of senders are those of a SenderTree.
 struct Probing {
   std::vector<ProbingValues>
@@ -48,6 +62,7 @@ struct Probing {
   std::vector<std::uint32_t> rooms;   ///< per cluster
   std::vector<ProbingValues> weights;  ///< per room: 1 / root mean square of its irradiance; of a room that
                                        ///< nothing lights, as if it had a hundredth of that of the brightest
+  LitRooms lit;
   /// Of irradiance, relative to its root mean square in the room: what clusters of this size are estimated to
   /// cost, root mean square over rooms, of each the probings that err most.
   double cluster_error = 0.0;

@@ -248,23 +248,60 @@ TEST(Cut, RefinesNearbyWhereASpotMightShineThoughAllLooksAlike) {
 }
 
 // The same patches: four in the room of the row, four in another, of which it sees a fifth. By hand, what
-// their node hides of a spot there is 0.1 x 0.2 x 1.885 = 0.0377 of the light in that room.
+// their node hides of a spot there is 0.1 x 0.2 x 1.885 = 0.0377 of the light in that room, of which this one
+// gets 0.3 of the share, and no less than 0.03.
 TEST(Cut, RefinesWhatLightsADimRoomForLightsThatNoProbingKnows) {
-  const ClusterTree tree = tree_of_eight();
+  const ClusterTree tree = tree_of_eight(2);
   Probing probing = patches_in_a_row(tree);
   probing.rooms = {0, 0, 0, 0, 1, 1, 1, 1};
+  probing.weights.resize(2, probing.weights[0]);
+  probing.lit = {{0, 1}, probing.weights, {}};
   const FormFactorRow row{{0, 4, 5, 6, 7}, {0.6f, 0.1f, 0.05f, 0.03f, 0.02f}};
   const std::vector<CutRow> tile{{&row, kManyRays, 0.0f, {{4, 1, 0}, {0, -1, 0}}}};
-  const auto nodes_there = [&](float brightness_there) {
-    probing.weights.resize(2);
-    probing.weights[1].fill(1.0f / brightness_there);
-    const CutTile cut = TileCutter({tree, probing}).cut(tile, {0, 0.07});
+  const auto nodes_there = [&](float share, double error) {
+    probing.lit.shares = {1.0f, share, share, 1.0f};
+    const CutTile cut = TileCutter({tree, probing}).cut(tile, {0, error});
     const auto kept = ranges(tree, cut);
     return std::count_if(kept.begin(), kept.end(), [](const TreeNodeRange& node) { return node.first >= 4; });
   };
-  EXPECT_EQ(nodes_there(1.0f), 1);
-  EXPECT_EQ(nodes_there(1.8f), 1);
-  EXPECT_GT(nodes_there(2.0f), 1);
+  EXPECT_EQ(nodes_there(0.64f, 0.2), 1);
+  EXPECT_GT(nodes_there(0.62f, 0.2), 1);
+  EXPECT_EQ(nodes_there(0.001f, 1.3), 1);
+  EXPECT_GT(nodes_there(0.001f, 1.2), 1);
+}
+
+// A row that sees the brighter half of a node through a door is off by 0.4 x 0.5 = 0.2, relative to its own
+// room under that light; where the node's room is told to be lit by itself, relative to 0.3 of that.
+TEST(Cut, CountsWhatANodeInAnotherRoomHidesAsIfThatAloneWereLit) {
+  const ClusterTree tree = tree_of_eight(2);
+  Probing probing = shown(tree, {1, 1, 1, 1, 1, 1, 2, 2});
+  probing.rooms = {0, 0, 0, 0, 1, 1, 1, 1};
+  probing.weights.resize(2, probing.weights[0]);
+  const FormFactorRow row{{0, 6, 7}, {0.6f, 0.2f, 0.2f}};
+  const auto leaves_there = [&](double error) {
+    return ranges(tree, cut(tree, probing, {&row}, {0, error})).back().count;
+  };
+  EXPECT_EQ(leaves_there(0.21), 4u);
+  EXPECT_EQ(leaves_there(0.19), 2u);
+  probing.lit = {{0, 1}, probing.weights, {1.0f, 1.0f, 1.0f, 1.0f}};
+  EXPECT_EQ(leaves_there(0.67), 4u);
+  EXPECT_EQ(leaves_there(0.66), 2u);
+}
+
+// From above the middle of four patches, of which only the first is seen: by a thousand million rays, or by
+// 19, of whose two hits no half can be told from the other.
+TEST(Cut, RefinesWhatIsSeenInPartForASpotUnlessRaysAreTooFewToTell) {
+  const ClusterTree tree = tree_of_eight();
+  const Probing probing = patches_in_a_row(tree);
+  const FormFactorRow row{{4}, {0.1f}};
+  const auto leaves_of = [&](float rays) {
+    const CutTile tile =
+        TileCutter({tree, probing})
+            .cut(std::vector<CutRow>{{&row, rays, 0.0f, {{5.5f, 1, 0}, {0, -1, 0}}}}, {8, 0.0});
+    return ranges(tree, tile).front().count;
+  };
+  EXPECT_EQ(leaves_of(kManyRays), 1u);
+  EXPECT_EQ(leaves_of(19.0f), 4u);
 }
 
 // Rows of 2 m2 and 1 m2 that keep the root: 2 x 0.5 = 1 m2 from leaf 0, 2 x 0.25 + 0.5 = 1 m2 from leaf 1,
