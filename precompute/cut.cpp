@@ -19,10 +19,6 @@ constexpr float kAtLeast = 0.1f;
 /// What a light in an unknown place counts for: square of the share of a room's indirect light that comes
 /// from its spot at first hand. Spots are no smaller than this share of the room's surface.
 constexpr float kSpots = 0.02f, kLeastSpot = 0.003f;
-/// Of what a room gets of the light of another whose surfaces all glow: so much of it where a lamp shines on
-/// some of them, of which others see less. No room counts as getting less than the least: these would take
-/// the most form factors and matter least.
-constexpr float kOfShare = 0.3f, kLeastShare = 0.03f;
 /// What halves of a node differ in for a row counts where it is more than this much of what noise makes of
 /// it.
 constexpr float kNoiseOfHalves = 2.0f;
@@ -103,29 +99,19 @@ TileCutter::TileCutter(const CutSenders& senders)
       probing_(senders.probing),
       flux_(senders.flux),
       places_(senders.places),
+      each_room_alone_(senders.each_room_alone),
       seen_(senders.probing.senders.size()),
       place_(senders.probing.senders.size()) {}
 
-std::uint32_t TileCutter::lit_room(std::uint32_t sender) const {
-  return sender < probing_.rooms.size() ? probing_.lit.number_of(probing_.rooms[sender]) : kNone;
-}
-
-float TileCutter::share(std::size_t row, std::uint32_t lit) const {
-  const std::uint32_t room = row_rooms_[row];
-  if (lit == kNone || room == kNoRoom || probing_.lit.number_of(room) == lit) return 1.0f;
-  return std::clamp(kOfShare * probing_.lit.share(room, lit), kLeastShare, 1.0f);
+std::uint32_t TileCutter::lit_room_of(std::uint32_t sender) const {
+  return each_room_alone_ ? lit_room(probing_, sender) : kNone;
 }
 
 const std::vector<ProbingValues>& TileCutter::weights_of(std::uint32_t lit) {
   if (lit == kNone) return weights_;
   std::vector<ProbingValues>& weights = lit_weights_[lit];
-  if (!weights.empty()) return weights;
-  weights = weights_;
-  for (std::size_t r = 0; r < tile_.size(); ++r) {
-    const float part = share(r, lit);
-    if (part == 1.0f) continue;
-    for (std::size_t p = 0; p < kProbings; ++p)
-      weights[r][p] = std::max(weights[r][p], probing_.lit.weights[lit][p] / part);
+  if (weights.empty()) {
+    for (const std::uint32_t room : row_rooms_) weights.push_back(weights_of_light(probing_, room, lit));
   }
   return weights;
 }
@@ -172,7 +158,7 @@ void TileCutter::sum_up() {
     for (std::size_t r = 0; r < factors.size(); ++r)
       factor_sums_[at + tile_.size() + r] = factor_sums_[at + r] + factors[r];
     noise_sums_.push_back(noise_sums_.back());
-    add_leaf({factors, probing_.senders[leaves_[i]], weights_of(lit_room(leaves_[i])), tile_},
+    add_leaf({factors, probing_.senders[leaves_[i]], weights_of(lit_room_of(leaves_[i])), tile_},
              &light_sums_[at], noise_sums_.back());
   }
   added_errors_.assign(tile_.size(), ProbingValues{});
@@ -185,7 +171,7 @@ std::size_t TileCutter::leaves_before(std::uint32_t sender, const Candidate& c) 
   return std::size_t(std::lower_bound(begin, end, sender) - leaves_.begin());
 }
 
-float TileCutter::factor(std::size_t first, std::size_t last, std::size_t row) const {
+float TileCutter::factor_sum(std::size_t first, std::size_t last, std::size_t row) const {
   return factor_sums_[last * tile_.size() + row] - factor_sums_[first * tile_.size() + row];
 }
 
@@ -196,13 +182,13 @@ TileCutter::Candidate TileCutter::candidate(std::uint32_t node, std::size_t firs
                    std::size_t(std::lower_bound(begin, end, range.first + range.count) - leaves_.begin())};
   if (range.count == 1 || result.first == result.last) return result;
   const ProbingValues& mean = probing_.nodes[node];
-  const std::vector<ProbingValues>& weights = weights_of(lit_room(range.first));
+  const std::vector<ProbingValues>& weights = weights_of(lit_room_of(range.first));
   float squared = 0.0f, noise = 0.0f;
   for (std::size_t p = 0; p < kProbings; ++p)
     noise += noise_sums_[result.last][p] - noise_sums_[result.first][p];
   for (std::size_t r = 0; r < tile_.size(); ++r) {
     const std::size_t before = result.first * tile_.size() + r, after = result.last * tile_.size() + r;
-    const float factor = factor_sums_[after] - factor_sums_[before];
+    const float factor = factor_sum(result.first, result.last, r);
     for (std::size_t p = 0; p < kProbings; ++p) {
       const float light = light_sums_[after][p] - light_sums_[before][p];
       const float error = (light - factor * mean[p]) * weights[r][p];
@@ -223,18 +209,19 @@ float TileCutter::spot_error(const Candidate& c) const {
   const NodeSurface& own = probing_.surfaces[c.node];
   if (own.area <= 0.0f) return 0.0f;
   const NodeSurface &left = probing_.surfaces[range.left], &right = probing_.surfaces[range.left + 1];
-  const std::uint32_t lit = lit_room(range.first);
+  const std::uint32_t lit = lit_room_of(range.first);
   const std::size_t middle = leaves_before(tree_.nodes[range.left + 1].first, c);
   float expected = 0.0f, seen = 0.0f;
   for (std::size_t r = 0; r < tile_.size(); ++r) {
     if (row_rooms_[r] == kNoRoom || (lit == kNone && row_rooms_[r] != probing_.rooms[range.first])) continue;
     const float here = density(tile_[r].place, left), there = density(tile_[r].place, right);
     const float mean = (left.area * here + right.area * there) / own.area;
-    const float first = factor(c.first, middle, r) / left.area,
-                second = factor(middle, c.last, r) / right.area, both = factor(c.first, c.last, r) / own.area;
+    const float first = factor_sum(c.first, middle, r) / left.area,
+                second = factor_sum(middle, c.last, r) / right.area,
+                both = factor_sum(c.first, c.last, r) / own.area;
     const float difference = mean > 0.0f ? both * (here - there) / mean : both;
     const float noise = (first / left.area + second / right.area) / tile_[r].rays;
-    const float part = share(r, lit), weight = 1.0f / (part * part);
+    const float part = lit_share(probing_, row_rooms_[r], lit), weight = 1.0f / (part * part);
     expected += weight * difference * difference;
     seen += weight * ((first - second) * (first - second) - kNoiseOfHalves * noise);
   }
@@ -247,10 +234,10 @@ void TileCutter::book(const Candidate& c, float sign) {
   spot_errors_ += double(sign * c.spot_error);
   if (tree_.nodes[c.node].count == 1) return;
   const ProbingValues& mean = probing_.nodes[c.node];
-  const std::vector<ProbingValues>& weights = weights_of(lit_room(tree_.nodes[c.node].first));
+  const std::vector<ProbingValues>& weights = weights_of(lit_room_of(tree_.nodes[c.node].first));
   for (std::size_t r = 0; r < tile_.size(); ++r) {
     const std::size_t before = c.first * tile_.size() + r, after = c.last * tile_.size() + r;
-    const float factor = factor_sums_[after] - factor_sums_[before];
+    const float factor = factor_sum(c.first, c.last, r);
     for (std::size_t p = 0; p < kProbings; ++p) {
       added_errors_[r][p] +=
           sign * (light_sums_[after][p] - light_sums_[before][p] - factor * mean[p]) * weights[r][p];

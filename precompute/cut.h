@@ -53,6 +53,7 @@ struct CutSenders {
   const Probing& probing;
   NodeFlux* flux = nullptr;
   const std::vector<SenderRef>* places = nullptr;  ///< per sender: in the model; with them, halvings are kept
+  bool each_room_alone = true;  ///< what nodes in a lit room hide counts as if no other were lit
 };
 
 /// How the error of a tile falls while it is refined: as long as a node's error is larger than `node`, the
@@ -87,15 +88,12 @@ class TileCutter {
   Candidate candidate(std::uint32_t node, std::size_t first, std::size_t last);
   /// Of the leaves that rows see: those before the sender, of the candidate's and all before these.
   std::size_t leaves_before(std::uint32_t sender, const Candidate& c) const;
-  /// Number of the room that a sender lies in among the lit ones, or kNone.
-  std::uint32_t lit_room(std::uint32_t sender) const;
-  /// What the room of the row gets of the light of a lit room while no other is lit; 1 of its own, and of
-  /// rooms that are not lit.
-  float share(std::size_t row, std::uint32_t lit) const;
-  /// [row], of senders in a lit room: as if no other were lit.
+  /// The lit room that a sender lies in, or kNone.
+  std::uint32_t lit_room_of(std::uint32_t sender) const;
+  /// [row], of senders in a lit room (weights_of_light).
   const std::vector<ProbingValues>& weights_of(std::uint32_t lit);
   /// Of all leaves in [first, last).
-  float factor(std::size_t first, std::size_t last, std::size_t row) const;
+  float factor_sum(std::size_t first, std::size_t last, std::size_t row) const;
   /// What a node hides of a small light that shines somewhere in its room, relative to what the room of the
   /// rows gets of that: squared, mean over the places where it may shine. Its halves differ in what a row
   /// sees of their area as the cosine law says of their middles, or as the form factors do, if that is more:
@@ -114,6 +112,7 @@ class TileCutter {
   const Probing& probing_;
   NodeFlux* flux_;
   const std::vector<SenderRef>* places_;
+  bool each_room_alone_;
   SenderSet seen_;
   std::vector<std::uint32_t> leaves_;      ///< that any row of the tile sees, ascending
   std::vector<std::uint32_t> place_;       ///< per sender: in leaves_
@@ -132,8 +131,6 @@ class TileCutter {
   double squared_errors_ = 0.0;              ///< of all nodes kept so far, over rows and probings
   double spot_errors_ = 0.0;                 ///< the part of it that spots make
 };
-
-inline constexpr std::uint32_t kNoRoom = 0xffffffffu;
 
 /// The room that a row lies in: the one that it sees most of; kNoRoom where it sees none.
 std::uint32_t room_of(const Probing& probing, const FormFactorRow& row);

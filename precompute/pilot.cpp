@@ -101,7 +101,8 @@ double find_exchange(const std::vector<PilotRows>& pilot, const RayLimits& limit
 double find_node_error(const std::vector<PilotRows>& pilot, const ClusterTree& tree, const Probing& probing,
                        double error) {
   std::vector<std::vector<CutStep>> steps(pilot.size());
-  tbb::enumerable_thread_specific<TileCutter> cutters([&] { return TileCutter({tree, probing}); });
+  tbb::enumerable_thread_specific<TileCutter> cutters(
+      [&] { return TileCutter({.tree = tree, .probing = probing, .each_room_alone = false}); });
   tbb::parallel_for(std::size_t{0}, pilot.size(), [&](std::size_t i) {
     std::vector<CutRow> tile;
     for (std::size_t r = 0; r < pilot[i].rows.size(); ++r)

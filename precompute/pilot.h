@@ -31,8 +31,8 @@ std::vector<PilotRows> trace_pilot(const RowScene& scene, const std::vector<Char
 /// to fall with the rays to the power of -3/4, as that of scrambled points over edges does.
 double find_exchange(const std::vector<PilotRows>& pilot, const RayLimits& limits, double noise);
 
-/// The error of single nodes (CutLimits) at which that of all rows together is `error`: so it takes the
-/// fewest nodes.
+/// The error of single nodes (CutLimits) at which that of all rows together is `error` while rooms are lit as
+/// the probings light them: so it takes the fewest nodes.
 double find_node_error(const std::vector<PilotRows>& pilot, const ClusterTree& tree, const Probing& probing,
                        double error);
 

@@ -37,6 +37,10 @@ constexpr float kDimmest = 1e-2f, kDimmestNook = 0.3f;
 /// Less than this of the brightest: lit by others alone.
 constexpr float kDim = 0.1f;
 
+/// No room counts as getting less than this of the light of another: these would take the most form factors
+/// and matter least.
+constexpr float kLeastShare = 0.1f;
+
 /// Cluster sizes follow the probings of a room that err most, where a beam ends on large clusters; lights
 /// that nobody knew err by about this much of it at worst.
 constexpr std::size_t kWorst = kProbings / 4;
@@ -54,17 +58,12 @@ class Prober {
         rooms_(probed_rooms(scene.surfaces, rooms, of_cluster)) {
     result_.rooms = std::move(of_cluster);
     result_.senders.assign(scene.senders.weights.size(), ProbingValues{});
-    std::vector<float> areas;
-    for (const ProbedRoom& room : rooms_) areas.push_back(room.area());
-    std::sort(areas.begin(), areas.end(), std::greater<>());
-    least_lit_area_ = kLeastLitShare * std::accumulate(areas.begin(), areas.end(), 0.0f);
-    if (areas.size() > kLitRooms) least_lit_area_ = std::max(least_lit_area_, areas[kLitRooms]);
+    find_lit_rooms();
   }
 
   Probing run() {
-    number_lit_rooms();
     find_shares();
-    ProbingLights lights = probing_lights({scene_, clusters_, rooms_, result_.rooms, least_lit_area_});
+    ProbingLights lights = probing_lights({scene_, clusters_, rooms_, result_.rooms, result_.lit});
     std::copy(lights.sky.begin(), lights.sky.end(),
               result_.senders.begin() + std::ptrdiff_t(clusters_.size()));
     emitted_ = std::move(lights.emitted), arriving_ = std::move(lights.arriving);
@@ -85,8 +84,8 @@ class Prober {
   /// Makes radiosities differ as textures and lights in other places would.
   void vary();
   void weigh();
-  void number_lit_rooms();
-  /// What rooms get of the light of the lit ones.
+  void find_lit_rooms();
+  /// What lit rooms get of the light of others.
   void find_shares();
   static std::vector<ProbingValues> irradiance(const std::vector<FormFactorRow>& rows,
                                                const std::vector<ProbingValues>& senders);
@@ -103,10 +102,9 @@ class Prober {
   std::vector<FormFactorRow> rows_;
   std::vector<ProbedCluster> clusters_;
   std::vector<ProbedRoom> rooms_;
-  float least_lit_area_ = 0.0f;
-  std::vector<std::uint32_t> lit_rooms_;  ///< none where there are not two
-  std::vector<ProbingValues> emitted_;    ///< per cluster: exitance
-  std::vector<ProbingValues> arriving_;   ///< per cluster: direct irradiance
+  std::vector<std::uint32_t> lit_rooms_;
+  std::vector<ProbingValues> emitted_;   ///< per cluster: exitance
+  std::vector<ProbingValues> arriving_;  ///< per cluster: direct irradiance
   Probing result_;
 };
 
@@ -180,18 +178,23 @@ void Prober::find_surfaces() {
   }
 }
 
-void Prober::number_lit_rooms() {
+void Prober::find_lit_rooms() {
+  std::vector<float> areas;
+  for (const ProbedRoom& room : rooms_) areas.push_back(room.area());
+  std::sort(areas.begin(), areas.end(), std::greater<>());
+  float least = kLeastLitShare * std::accumulate(areas.begin(), areas.end(), 0.0f);
+  if (areas.size() > kLitRooms) least = std::max(least, areas[kLitRooms]);
   result_.lit.number.assign(rooms_.size(), kNone);
   for (std::uint32_t room = 0; room < rooms_.size(); ++room) {
-    if (rooms_[room].area() >= least_lit_area_) lit_rooms_.push_back(room);
+    if (rooms_[room].area() < least) continue;
+    result_.lit.number[room] = std::uint32_t(lit_rooms_.size());
+    lit_rooms_.push_back(room);
   }
-  if (lit_rooms_.size() < 2) lit_rooms_.clear();
-  for (std::uint32_t i = 0; i < lit_rooms_.size(); ++i) result_.lit.number[lit_rooms_[i]] = i;
 }
 
 void Prober::find_shares() {
   result_.lit.weights.assign(lit_rooms_.size(), ProbingValues{});
-  result_.lit.shares.assign(rooms_.size() * lit_rooms_.size(), 0.0f);
+  result_.lit.shares.assign(lit_rooms_.size() * lit_rooms_.size(), 0.0f);
   for (std::size_t first = 0; first < lit_rooms_.size(); first += kProbings) {
     const auto glowing = std::span(lit_rooms_).subspan(first, std::min(lit_rooms_.size() - first, kProbings));
     emitted_.assign(clusters_.size(), ProbingValues{});
@@ -201,10 +204,11 @@ void Prober::find_shares() {
     }
     bounce();
     const std::vector<ProbingValues> means = room_means(irradiance(rows_, result_.senders));
-    for (std::size_t room = 0; room < rooms_.size(); ++room) {
+    for (std::size_t i = 0; i < lit_rooms_.size(); ++i) {
       for (std::size_t p = 0; p < glowing.size(); ++p) {
-        const float own = means[glowing[p]][p];
-        result_.lit.shares[room * lit_rooms_.size() + first + p] = own > 0.0f ? means[room][p] / own : 0.0f;
+        const float there = means[glowing[p]][p];
+        result_.lit.shares[i * lit_rooms_.size() + first + p] =
+            there > 0.0f ? means[lit_rooms_[i]][p] / there : 0.0f;
       }
     }
   }
@@ -219,7 +223,7 @@ void Prober::weigh() {
   result_.weights.assign(rooms_.size(), ProbingValues{});
   for (std::size_t room = 0; room < rooms_.size(); ++room) {
     for (std::size_t p = 0; p < kProbings; ++p) {
-      const float least = (rooms_[room].area() < least_lit_area_ ? kDimmestNook : kDimmest) * brightest[p];
+      const float least = (result_.lit.number[room] == kNone ? kDimmestNook : kDimmest) * brightest[p];
       if (least > 0.0f) result_.weights[room][p] = 1.0f / std::max(means[room][p], least);
       if (result_.lit.number[room] != kNone && means[room][p] > kDim * brightest[p])
         result_.lit.weights[result_.lit.number[room]][p] = result_.weights[room][p];
@@ -242,7 +246,7 @@ double Prober::cluster_error() const {
                                    second = irradiance(halves_.second, change);
   double sum = 0.0, area = 0.0;
   for (std::size_t room = 0; room < rooms_.size(); ++room) {
-    if (rooms_[room].area() < least_lit_area_) continue;
+    if (result_.lit.number[room] == kNone) continue;
     sum += worst_square(room, first, second);
     area += rooms_[room].area();
   }
@@ -265,6 +269,26 @@ double Prober::worst_square(std::size_t room, const std::vector<ProbingValues>& 
 }
 
 }  // namespace
+
+std::uint32_t lit_room(const Probing& probing, std::uint32_t sender) {
+  return sender < probing.rooms.size() ? probing.lit.number_of(probing.rooms[sender]) : kNone;
+}
+
+float lit_share(const Probing& probing, std::uint32_t room, std::uint32_t lit) {
+  const std::uint32_t own = room == kNoRoom ? kNone : probing.lit.number_of(room);
+  if (own == kNone || lit == kNone || own == lit) return 1.0f;
+  return std::clamp(probing.lit.share(own, lit), kLeastShare, 1.0f);
+}
+
+ProbingValues weights_of_light(const Probing& probing, std::uint32_t room, std::uint32_t lit) {
+  if (room == kNoRoom) return {};
+  ProbingValues weights = probing.weights[room];
+  if (const float share = lit_share(probing, room, lit); share < 1.0f) {
+    for (std::size_t p = 0; p < kProbings; ++p)
+      weights[p] = std::max(weights[p], probing.lit.weights[lit][p] / share);
+  }
+  return weights;
+}
 
 Probing probe(const ProbedScene& scene, const SurveyRows& rows, const ElementRooms& rooms,
               std::vector<std::uint32_t> of_cluster) {

@@ -43,13 +43,13 @@ struct NodeSurface {
 struct LitRooms {
   std::vector<std::uint32_t> number;   ///< per room: among these, or kNone
   std::vector<ProbingValues> weights;  ///< [lit room]: as Probing::weights, but 0 where it is dark
-  /// [room][lit room]: root mean square of irradiance, relative to that in the lit room, while all surfaces
-  /// of that room glow and no others.
+  /// [lit room][lit room]: root mean square of irradiance, relative to that in the second, while all surfaces
+  /// of that one glow and no others.
   std::vector<float> shares;
 
   std::uint32_t number_of(std::uint32_t room) const { return number.empty() ? kNone : number[room]; }
-  float share(std::uint32_t room, std::uint32_t lit) const {
-    return shares[std::size_t(room) * weights.size() + lit];
+  float share(std::uint32_t own, std::uint32_t lit) const {
+    return shares[std::size_t(own) * weights.size() + lit];
   }
 };
 
@@ -77,6 +77,20 @@ struct ProbedScene {
   const SenderTree& senders;
   std::uint64_t seed = 0;
 };
+
+inline constexpr std::uint32_t kNoRoom = 0xffffffffu;
+
+/// Number of the room that a sender lies in among the lit ones, or kNone.
+std::uint32_t lit_room(const Probing& probing, std::uint32_t sender);
+
+/// What a room gets of the light of a lit one while no other is lit, a tenth at least. 1 of its own, of
+/// kNone, and for rooms that are too small to be lit.
+float lit_share(const Probing& probing, std::uint32_t room, std::uint32_t lit);
+
+/// Of light that a room gets from senders in a lit one: 1 / root mean square of its irradiance, as if no
+/// other were lit. Probing::weights for its own, for kNone, and under probings that leave the lit room to the
+/// light of others; all 0 of kNoRoom.
+ProbingValues weights_of_light(const Probing& probing, std::uint32_t room, std::uint32_t lit);
 
 /// Each room (`of_cluster`: that of each cluster) is lit by turns by point and spot lights in its free space,
 /// by its possible emitters, by patches of its surface, by the sky and by its neighbours only; materials take

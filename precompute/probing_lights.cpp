@@ -64,7 +64,7 @@ void Lamps::light_room(std::uint32_t index, std::size_t probing) {
   const Choices choices(places_.scene.seed, index, probing);
   const float kind = choices.kind;
   const float strength = 0.2f + 0.8f * dice.next();
-  if (room.area() < places_.least_lit_area) {
+  if (places_.lit.number[index] == kNone) {
     for (const auto c : room.clusters) result_.emitted[c][probing] = strength * dice.next();
   } else if ((kind < 0.2f && places_.rooms.size() > 1) ||  // dark, but for what comes from its neighbours
              (by_emitters(probing) && emitters_of_room(index, strength, probing))) {

@@ -16,7 +16,7 @@ struct ProbedPlaces {
   const std::vector<ProbedCluster>& clusters;
   const std::vector<ProbedRoom>& rooms;
   const std::vector<std::uint32_t>& of_cluster;  ///< room of each cluster
-  float least_lit_area = 0.0f;                   ///< m2; rooms that are smaller glow
+  const LitRooms& lit;                           ///< only numbers are needed; other rooms glow
 };
 
 struct ProbingLights {
