@@ -89,11 +89,6 @@ std::uint32_t room_of(const Probing& probing, const FormFactorRow& row) {
   return most == sums.end() ? kNoRoom : most->first;
 }
 
-const ProbingValues& weights_of_room(const Probing& probing, std::uint32_t room) {
-  static constexpr ProbingValues kNothing{};
-  return room == kNoRoom ? kNothing : probing.weights[room];
-}
-
 TileCutter::TileCutter(const CutSenders& senders)
     : tree_(senders.tree),
       probing_(senders.probing),
@@ -165,9 +160,8 @@ void TileCutter::sum_up() {
   squared_errors_ = spot_errors_ = 0.0;
 }
 
-std::size_t TileCutter::leaves_before(std::uint32_t sender, const Candidate& c) const {
-  const auto begin = leaves_.begin() + std::ptrdiff_t(c.first),
-             end = leaves_.begin() + std::ptrdiff_t(c.last);
+std::size_t TileCutter::leaves_before(std::uint32_t sender, std::size_t first, std::size_t last) const {
+  const auto begin = leaves_.begin() + std::ptrdiff_t(first), end = leaves_.begin() + std::ptrdiff_t(last);
   return std::size_t(std::lower_bound(begin, end, sender) - leaves_.begin());
 }
 
@@ -177,9 +171,8 @@ float TileCutter::factor_sum(std::size_t first, std::size_t last, std::size_t ro
 
 TileCutter::Candidate TileCutter::candidate(std::uint32_t node, std::size_t first, std::size_t last) {
   const TreeNodeRange& range = tree_.nodes[node];
-  const auto begin = leaves_.begin() + std::ptrdiff_t(first), end = leaves_.begin() + std::ptrdiff_t(last);
-  Candidate result{0.0f, node, std::size_t(std::lower_bound(begin, end, range.first) - leaves_.begin()),
-                   std::size_t(std::lower_bound(begin, end, range.first + range.count) - leaves_.begin())};
+  Candidate result{0.0f, node, leaves_before(range.first, first, last),
+                   leaves_before(range.first + range.count, first, last)};
   if (range.count == 1 || result.first == result.last) return result;
   const ProbingValues& mean = probing_.nodes[node];
   const std::vector<ProbingValues>& weights = weights_of(lit_room_of(range.first));
@@ -210,7 +203,7 @@ float TileCutter::spot_error(const Candidate& c) const {
   if (own.area <= 0.0f) return 0.0f;
   const NodeSurface &left = probing_.surfaces[range.left], &right = probing_.surfaces[range.left + 1];
   const std::uint32_t lit = lit_room_of(range.first);
-  const std::size_t middle = leaves_before(tree_.nodes[range.left + 1].first, c);
+  const std::size_t middle = leaves_before(tree_.nodes[range.left + 1].first, c.first, c.last);
   float expected = 0.0f, seen = 0.0f;
   for (std::size_t r = 0; r < tile_.size(); ++r) {
     if (row_rooms_[r] == kNoRoom || (lit == kNone && row_rooms_[r] != probing_.rooms[range.first])) continue;

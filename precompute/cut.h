@@ -86,8 +86,8 @@ class TileCutter {
   template <class Stop>
   std::vector<Candidate> refine(Stop&& stop);
   Candidate candidate(std::uint32_t node, std::size_t first, std::size_t last);
-  /// Of the leaves that rows see: those before the sender, of the candidate's and all before these.
-  std::size_t leaves_before(std::uint32_t sender, const Candidate& c) const;
+  /// End of those leaves in [first, last) that stand before the sender.
+  std::size_t leaves_before(std::uint32_t sender, std::size_t first, std::size_t last) const;
   /// The lit room that a sender lies in, or kNone.
   std::uint32_t lit_room_of(std::uint32_t sender) const;
   /// [row], of senders in a lit room (weights_of_light).
@@ -134,8 +134,5 @@ class TileCutter {
 
 /// The room that a row lies in: the one that it sees most of; kNoRoom where it sees none.
 std::uint32_t room_of(const Probing& probing, const FormFactorRow& row);
-
-/// Probing::weights; all 0 of kNoRoom.
-const ProbingValues& weights_of_room(const Probing& probing, std::uint32_t room);
 
 }  // namespace relume

@@ -270,6 +270,11 @@ double Prober::worst_square(std::size_t room, const std::vector<ProbingValues>& 
 
 }  // namespace
 
+const ProbingValues& weights_of_room(const Probing& probing, std::uint32_t room) {
+  static constexpr ProbingValues kNothing{};
+  return room == kNoRoom ? kNothing : probing.weights[room];
+}
+
 std::uint32_t lit_room(const Probing& probing, std::uint32_t sender) {
   return sender < probing.rooms.size() ? probing.lit.number_of(probing.rooms[sender]) : kNone;
 }
@@ -281,8 +286,7 @@ float lit_share(const Probing& probing, std::uint32_t room, std::uint32_t lit) {
 }
 
 ProbingValues weights_of_light(const Probing& probing, std::uint32_t room, std::uint32_t lit) {
-  if (room == kNoRoom) return {};
-  ProbingValues weights = probing.weights[room];
+  ProbingValues weights = weights_of_room(probing, room);
   if (const float share = lit_share(probing, room, lit); share < 1.0f) {
     for (std::size_t p = 0; p < kProbings; ++p)
       weights[p] = std::max(weights[p], probing.lit.weights[lit][p] / share);

@@ -80,6 +80,9 @@ struct ProbedScene {
 
 inline constexpr std::uint32_t kNoRoom = 0xffffffffu;
 
+/// Probing::weights; all 0 of kNoRoom.
+const ProbingValues& weights_of_room(const Probing& probing, std::uint32_t room);
+
 /// Number of the room that a sender lies in among the lit ones, or kNone.
 std::uint32_t lit_room(const Probing& probing, std::uint32_t sender);
 
@@ -88,8 +91,8 @@ std::uint32_t lit_room(const Probing& probing, std::uint32_t sender);
 float lit_share(const Probing& probing, std::uint32_t room, std::uint32_t lit);
 
 /// Of light that a room gets from senders in a lit one: 1 / root mean square of its irradiance, as if no
-/// other were lit. Probing::weights for its own, for kNone, and under probings that leave the lit room to the
-/// light of others; all 0 of kNoRoom.
+/// other were lit. weights_of_room() of its own light, of kNone, and under probings that leave the lit room
+/// to the light of others.
 ProbingValues weights_of_light(const Probing& probing, std::uint32_t room, std::uint32_t lit);
 
 /// Each room (`of_cluster`: that of each cluster) is lit by turns by point and spot lights in its free space,
