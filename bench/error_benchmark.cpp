@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "benchmarks.h"
 #include "measure/converged_answer.h"
+#include "measure/room_errors.h"
 #include "measure/test_lights.h"
 
 namespace relume::bench {
@@ -28,7 +31,19 @@ std::vector<Subject> subjects(const BenchmarkOptions& options) {
   return all;
 }
 
-void report_subject(const ConvergedAnswer& truth, const Subject& subject, const SolvedModel& solved,
+std::vector<double> worst_errors(const RoomTruth& truth, const SensorValues& values) {
+  std::vector<double> errors;
+  for (std::size_t l = 0; l < values.size(); ++l) errors.push_back(worst_room_error(truth, l, values[l]));
+  return errors;
+}
+
+std::vector<double> worst_noise(const RoomTruth& truth) {
+  std::vector<double> noise;
+  for (std::size_t l = 0; l < truth.paths.values.size(); ++l) noise.push_back(worst_room_noise(truth, l));
+  return noise;
+}
+
+void report_subject(const RoomTruth& truth, const Subject& subject, const SolvedModel& solved,
                     std::vector<Measurement>& result) {
   std::uint64_t factors = 0, bytes = 0, columns = 0, receivers = 0;
   for (const System& system : solved.model.systems) {
@@ -38,13 +53,10 @@ void report_subject(const ConvergedAnswer& truth, const Subject& subject, const 
     }
     columns += system.imports.size();
   }
-  std::vector<double> errors;
-  for (std::size_t l = 0; l < solved.values.size(); ++l)
-    errors.push_back(worst_room_error(truth, l, solved.values[l]));
   const auto add = [&](const char* what, const char* unit, std::vector<double> values) {
     result.push_back({kName, fmt::format("{}: {}", subject.name, what), unit, std::move(values)});
   };
-  add("measured, five lights", "", errors);
+  add("measured, five lights", "", worst_errors(truth, solved.values));
   if (subject.error > 0.0) {
     add("estimated", "", {solved.report.error.total()});
     add("  clusters, rays, cut", "",
@@ -58,12 +70,22 @@ void report_subject(const ConvergedAnswer& truth, const Subject& subject, const 
   add("precompute", "s", {solved.report.seconds_total});
 }
 
-/// How far the densest model is from the converged answer: about as uncertain is that, at most.
-Measurement extrapolation(const ConvergedAnswer& truth) {
-  std::vector<double> errors;
-  for (std::size_t l = 0; l < truth.densest.size(); ++l)
-    errors.push_back(worst_room_error(truth, l, truth.densest[l]));
-  return {kName, "densest model: measured, five lights", "", std::move(errors)};
+/// More and more paths, until noise is small or they are many.
+Result<RoomTruth> trace_truth(const TestScene& test, const Model& dense) {
+  constexpr double kSmallNoise = 0.03;
+  constexpr std::uint32_t kMostPaths = 65536;
+  PathOptions options;
+  options.sky = !dense.sky_cells.empty();
+  RoomTruth truth{{}, sensor_rooms(dense)};
+  for (options.paths = 4096;; options.paths *= 4) {
+    auto paths = path_irradiance(test, options);
+    if (!paths) return tl::unexpected(paths.error());
+    truth.paths = std::move(*paths);
+    const std::vector<double> noise = worst_noise(truth);
+    fmt::print(stderr, "{} paths a sensor: noise {}\n", options.paths, fmt::join(noise, " "));
+    if (*std::max_element(noise.begin(), noise.end()) <= kSmallNoise || options.paths >= kMostPaths)
+      return truth;
+  }
 }
 
 }  // namespace
@@ -75,11 +97,15 @@ Measurements error(const BenchmarkOptions& options) {
   const auto test = test_scene(std::move(*scene), kSensors);
   if (!test) return tl::unexpected(test.error());
   base.sensors = test->sensors;
-  const auto truth = converged_answer(*test, base);
+  const auto dense = dense_model(*test, base);
+  if (!dense) return tl::unexpected(dense.error());
+  const auto truth = trace_truth(*test, dense->model);
   if (!truth) return tl::unexpected(truth.error());
-  std::vector<Measurement> result{{kName, "clusters of the converged answer", "", {double(truth->clusters)}},
-                                  extrapolation(*truth)};
-  fmt::print(stderr, "{}: {}\n", result[1].name, fmt::join(result[1].values, " "));
+  std::vector<Measurement> result{
+      {kName, "noise of the paths, five lights", "", worst_noise(*truth)},
+      {kName, "clusters of a dense model", "", {double(cluster_offsets(dense->model).back())}},
+      {kName, "dense model: measured, five lights", "", worst_errors(*truth, dense->values)}};
+  fmt::print(stderr, "{}: {}\n", result[2].name, fmt::join(result[2].values, " "));
   for (const Subject& subject : subjects(options)) {
     PrecomputeOptions chosen = base;
     chosen.error = subject.error, chosen.budget = subject.budget;

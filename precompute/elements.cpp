@@ -9,6 +9,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "precompute/cells.h"
 #include "precompute/clip_grid.h"
 #include "precompute/views.h"
 
@@ -92,23 +93,15 @@ bool mixed(const Geometry& geometry, const Element& cell, std::span<const Piece>
   return false;
 }
 
-/// One element per covered cell, before any is split.
-struct Cells {
-  std::vector<Element> whole;        ///< ascending by cell
-  std::vector<std::uint32_t> index;  ///< per cell of the lightmap: into `whole`, or kNone
-  std::vector<std::uint8_t> split;   ///< per whole: has to be looked at closely
-  std::vector<std::uint8_t> walled;  ///< per whole
-  std::vector<std::uint8_t> known;   ///< per whole: it was one before, and saw its neighbours; empty: none
-};
-
 Cells gather_cells(const Geometry& geometry, const std::vector<Chart>& charts,
-                   const std::vector<Piece>& pieces, std::size_t cell_count) {
+                   const std::vector<Piece>& pieces, const AtlasLayout& layout) {
   std::vector<std::uint32_t> first;  // pieces of cells
   for (std::uint32_t p = 0; p < pieces.size(); ++p) {
     if (p == 0 || pieces[p].cell != pieces[p - 1].cell) first.push_back(p);
   }
   Cells cells;
-  cells.index.assign(cell_count, kNone);
+  cells.width = layout.width, cells.height = layout.height;
+  cells.index.assign(std::size_t(layout.width) * layout.height, kNone);
   cells.whole.resize(first.size());
   cells.split.assign(first.size(), 0);
   cells.walled.assign(first.size(), 0);
@@ -124,74 +117,11 @@ Cells gather_cells(const Geometry& geometry, const std::vector<Chart>& charts,
   return cells;
 }
 
-/// Calls visit(a, b) for all pairs of neighbouring covered cells (eight neighbours, each pair once) of one
-/// chart.
-template <class Visit>
-void for_each_neighbour(const Cells& cells, std::uint32_t a, std::uint32_t width, std::uint32_t height,
-                        Visit&& visit) {
-  const int x = int(cells.whole[a].cell % width), y = int(cells.whole[a].cell / width);
-  constexpr std::array<std::array<int, 2>, 4> kSteps{{{1, 0}, {-1, 1}, {0, 1}, {1, 1}}};
-  for (const auto& step : kSteps) {
-    const int nx = x + step[0], ny = y + step[1];
-    if (nx < 0 || nx >= int(width) || ny >= int(height)) continue;
-    const std::uint32_t b = cells.index[std::size_t(ny) * width + std::size_t(nx)];
-    if (b != kNone && cells.whole[b].chart == cells.whole[a].chart) visit(b);
-  }
-}
-
-bool linkable(const Element& a, const Element& b) {
-  return a.material == b.material && glm::dot(a.normal, b.normal) > 0.5f;
-}
-
-SurfacePoint point_of(const Element& element) {
-  return {element.position, element.normal};
-}
-
 void recognise_cells(const std::vector<Piece>& pieces, const KnownCells& known, Cells& cells) {
   cells.known.assign(cells.whole.size(), 0);
   tbb::parallel_for(std::size_t{0}, cells.whole.size(), [&](std::size_t i) {
     const Element& cell = cells.whole[i];
     cells.known[i] = known.whole(cell, std::span(pieces).subspan(cell.first_piece, cell.piece_count)) ? 1 : 0;
-  });
-}
-
-/// Whether two cells saw each other before, and nothing changed there.
-bool still_visible(const Cells& cells, const KnownCells* known, std::size_t a, std::size_t b) {
-  if (known == nullptr || cells.known[a] == 0 || cells.known[b] == 0) return false;
-  const float distance = glm::length(cells.whole[b].position - cells.whole[a].position);
-  return !known->disturbed(cells.whole[a].position, kLiftReach * distance);
-}
-
-/// Cells between which something stands are walled and will be split.
-void find_walls(Views& views, std::uint32_t width, std::uint32_t height, const KnownCells* known,
-                Cells& cells, std::atomic<std::uint64_t>& rays) {
-  std::vector<std::vector<std::uint32_t>> blocked(cells.whole.size());
-  const auto for_each_asked = [&](std::size_t a, auto&& visit) {
-    for_each_neighbour(cells, std::uint32_t(a), width, height, [&](std::uint32_t b) {
-      if (linkable(cells.whole[a], cells.whole[b])) visit(b);
-    });
-  };
-  tbb::parallel_for(std::size_t{0}, cells.whole.size(), [&](std::size_t a) {
-    std::uint64_t traced = 0;
-    for_each_asked(a, [&](std::uint32_t b) {
-      if (still_visible(cells, known, a, b)) return;
-      if (!views.ask(point_of(cells.whole[a]), point_of(cells.whole[b]), traced)) blocked[a].push_back(b);
-    });
-    rays += traced;
-  });
-  for (std::size_t a = 0; a < blocked.size(); ++a) {
-    for (const auto b : blocked[a]) {
-      cells.split[a] = cells.split[b] = 1;
-      cells.walled[a] = cells.walled[b] = 1;
-    }
-  }
-  // Of cells that stay whole, their elements tell the next time what they saw.
-  tbb::parallel_for(std::size_t{0}, cells.whole.size(), [&](std::size_t a) {
-    for_each_asked(a, [&](std::uint32_t b) {
-      if (cells.split[a] == 0 && cells.split[b] == 0) return;
-      const bool visible = std::find(blocked[a].begin(), blocked[a].end(), b) == blocked[a].end();
-      views.keep(point_of(cells.whole[a]), point_of(cells.whole[b]), visible);
-    });
   });
 }
 
@@ -267,7 +197,7 @@ void link_elements(Views& views, const Cells& cells, SystemSurface& surface) {
   std::atomic<std::uint64_t> rays{0};
   tbb::parallel_for(std::size_t{0}, cells.whole.size(), [&](std::size_t a) {
     std::uint64_t traced = 0;
-    for_each_neighbour(cells, std::uint32_t(a), surface.width, surface.height, [&](std::uint32_t b) {
+    for_each_neighbour(cells, std::uint32_t(a), [&](std::uint32_t b) {
       const std::uint32_t cell_a = cells.whole[a].cell, cell_b = cells.whole[b].cell;
       const bool both_whole = cells.split[a] == 0 && cells.split[b] == 0;
       for (auto i = surface.first_element[cell_a]; i < surface.first_element[cell_a + 1]; ++i) {
@@ -318,11 +248,9 @@ SystemSurface make_elements(const Geometry& geometry, const std::vector<Chart>& 
   surface.width = layout.width;
   surface.height = layout.height;
   const auto pieces = cut_into_cells(geometry, charts, layout);
-  Cells cells = gather_cells(geometry, charts, pieces, std::size_t(layout.width) * layout.height);
+  Cells cells = gather_cells(geometry, charts, pieces, layout);
   if (known != nullptr) recognise_cells(pieces, *known, cells);
-  std::atomic<std::uint64_t> rays{0};
-  find_walls(views, layout.width, layout.height, known, cells, rays);
-  surface.occlusion_rays = rays;
+  surface.occlusion_rays = find_walls(geometry, charts, pieces, views, known, cells);
   settle_elements(geometry, charts, views, cells, pieces, surface);
   link_elements(views, cells, surface);
   return surface;

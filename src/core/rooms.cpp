@@ -88,6 +88,11 @@ void adopt(const std::vector<bool>& like_a_room, const AverageOverView& average,
   for (Origin& direction : origins.directions) normalise(direction);
 }
 
+/// What comes to a cluster from a room is part of its light, and spread as that is in the room: it cannot be
+/// longer than what the leader has, but for chance. In pockets, which share with few, it is much longer where
+/// it only seems to come from there.
+constexpr double kMostFromRoom = 1.5;
+
 struct Leader {
   std::uint32_t cluster = 0;
   double area = 0.0;  ///< of all that follow it
@@ -225,7 +230,9 @@ Rooms find_rooms(const RoomSearch& search, const AverageOverView& average, const
   std::vector<bool> like_a_room(clusters);
   for (std::uint32_t c = 0; c < clusters; ++c) {
     const auto [most, alike] = most_alike(leaders[search.sets[c]], origins, c);
-    leader[c] = most, like_a_room[c] = alike >= scale.barely_alike;
+    leader[c] = most;
+    like_a_room[c] = alike >= scale.barely_alike &&
+                     alike * double(origins.lengths[c]) <= kMostFromRoom * double(origins.lengths[most]);
   }
   if (scale.adopts) adopt(like_a_room, average, origins);
   Rooms rooms{std::vector<std::uint32_t>(clusters, kNone), 0};

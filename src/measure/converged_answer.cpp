@@ -12,11 +12,6 @@
 namespace relume {
 namespace {
 
-/// A room with fewer of the sensors has no mean worth the name.
-constexpr double kLeastSensors = 0.02;
-/// Rooms this much dimmer than the brightest count as dark.
-constexpr double kDark = 1e-3;
-
 std::vector<Rgb> at_sensors(const Model& model, const std::vector<Rgb>& rows) {
   std::vector<Rgb> values;
   for (const std::uint32_t row : sensor_rows(model)) values.push_back(rows[row]);
@@ -34,7 +29,23 @@ std::vector<FormFactorRow> as_rows(const CsrMatrix& matrix) {
   return rows;
 }
 
-/// The room that each sensor sees most of. Those that see mostly the backs of surfaces have none.
+/// Clusters are so many lumels large.
+Result<SolvedModel> solve_dense(const TestScene& test, const PrecomputeOptions& options,
+                                const AnswerSize& size, double cluster_lumels,
+                                const ProgressObserver& observer) {
+  PrecomputeOptions chosen = options;
+  chosen.quality = size.quality, chosen.sensor_quality = size.sensor_quality;
+  chosen.texel_size = std::sqrt(area_of(test.scene) / size.clusters);
+  chosen.cluster_size = cluster_lumels * chosen.texel_size;
+  TestScene bare = test;
+  for (SceneNode& node : bare.scene.nodes) {
+    if (!node.extras.receiver) node.extras.receiver = "clusters";
+  }
+  return solve_model(bare, chosen, observer);
+}
+
+}  // namespace
+
 std::vector<std::uint32_t> sensor_rooms(const Model& model) {
   const ReferenceMatrices matrices = reference_matrices(model);
   std::vector<glm::vec3> centroids;
@@ -59,12 +70,6 @@ std::vector<std::uint32_t> sensor_rooms(const Model& model) {
   }
   return result;
 }
-
-struct RoomSums {
-  double difference = 0.0, total = 0.0, count = 0.0;
-};
-
-}  // namespace
 
 std::vector<std::uint32_t> sensor_rows(const Model& model) {
   const std::vector<std::uint32_t> first = gather_offsets(model);
@@ -95,20 +100,16 @@ Result<SolvedModel> solve_model(const TestScene& test, const PrecomputeOptions& 
   return result;
 }
 
+Result<SolvedModel> dense_model(const TestScene& test, const PrecomputeOptions& options,
+                                const AnswerSize& size, const ProgressObserver& observer) {
+  return solve_dense(test, options, size, 1.0, observer);
+}
+
 Result<ConvergedAnswer> converged_answer(const TestScene& test, const PrecomputeOptions& options,
                                          const AnswerSize& size, const ProgressObserver& observer) {
-  PrecomputeOptions chosen = options;
-  chosen.quality = size.quality, chosen.sensor_quality = size.sensor_quality;
-  chosen.texel_size = std::sqrt(area_of(test.scene) / size.clusters);
-  chosen.cluster_size = 2.0 * chosen.texel_size;
-  TestScene bare = test;
-  for (SceneNode& node : bare.scene.nodes) {
-    if (!node.extras.receiver) node.extras.receiver = "clusters";
-  }
-  const auto coarse = solve_model(bare, chosen, observer);
+  const auto coarse = solve_dense(test, options, size, 2.0, observer);
   if (!coarse) return tl::unexpected(coarse.error());
-  chosen.cluster_size = chosen.texel_size;
-  auto fine = solve_model(bare, chosen, observer);
+  const auto fine = dense_model(test, options, size, observer);
   if (!fine) return tl::unexpected(fine.error());
   ConvergedAnswer answer{fine->values, fine->values, sensor_rooms(fine->model), 0};
   answer.clusters = cluster_offsets(fine->model).back();
@@ -117,26 +118,6 @@ Result<ConvergedAnswer> converged_answer(const TestScene& test, const Precompute
       answer.values[l][i] = glm::max(Rgb(0.0), 2.0 * answer.values[l][i] - coarse->values[l][i]);
   }
   return answer;
-}
-
-double worst_room_error(const ConvergedAnswer& answer, std::size_t light, const std::vector<Rgb>& values) {
-  std::map<std::uint32_t, RoomSums> sums;
-  double counted = 0.0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (answer.rooms[i] == kNone) continue;
-    RoomSums& room = sums[answer.rooms[i]];
-    const Rgb difference = values[i] - answer.values[light][i];
-    room.difference += glm::dot(difference, difference);
-    room.total += glm::dot(answer.values[light][i], answer.values[light][i]);
-    room.count += 1.0, counted += 1.0;
-  }
-  double brightest = 0.0, worst = 0.0;
-  for (const auto& [index, room] : sums) brightest = std::max(brightest, room.total / room.count);
-  for (const auto& [index, room] : sums) {
-    if (room.count < kLeastSensors * counted || room.total / room.count < kDark * kDark * brightest) continue;
-    worst = std::max(worst, std::sqrt(room.difference / room.total));
-  }
-  return worst;
 }
 
 double sensor_error(const std::vector<std::uint32_t>& rooms, const std::vector<Rgb>& values,

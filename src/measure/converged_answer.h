@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// What is right, as nearly as rays can tell: indirect irradiance at the sensors of a TestScene from models
-// far denser than anybody would use, and how far others are from it.
+// What is right, as nearly as models can tell: indirect irradiance at the sensors of a TestScene from models
+// far denser than anybody would use. Paths tell it without models (measure/path_irradiance.h).
 #pragma once
 
 #include <cstdint>
@@ -31,12 +31,8 @@ struct SolvedModel {
 Result<SolvedModel> solve_model(const TestScene& test, const PrecomputeOptions& options,
                                 const ProgressObserver& observer = {});
 
-struct ConvergedAnswer {
-  SensorValues values;
-  SensorValues densest;              ///< of the densest model alone, before extrapolation
-  std::vector<std::uint32_t> rooms;  ///< per sensor; kNone: sees next to nothing
-  std::uint32_t clusters = 0;        ///< of the densest model
-};
+/// The room that each sensor sees most of, kNone: it sees mostly the backs of surfaces, or next to nothing.
+std::vector<std::uint32_t> sensor_rooms(const Model& model);
 
 struct AnswerSize {
   double clusters = 24000.0;    ///< of the densest model, about
@@ -44,13 +40,21 @@ struct AnswerSize {
   std::uint32_t sensor_quality = 1u << 16;
 };
 
+/// The densest model of such an answer, in full rows: its clusters are as large as its lumels.
+Result<SolvedModel> dense_model(const TestScene& test, const PrecomputeOptions& options,
+                                const AnswerSize& size = {}, const ProgressObserver& observer = {});
+
+struct ConvergedAnswer {
+  SensorValues values;
+  SensorValues densest;              ///< of the densest model alone, before extrapolation
+  std::vector<std::uint32_t> rooms;  ///< sensor_rooms()
+  std::uint32_t clusters = 0;        ///< of the densest model
+};
+
 /// Extrapolated over cluster size: twice the answer of small clusters less that of clusters of twice the
 /// size. Full rows. `options` has the sensors, seed and threads.
 Result<ConvergedAnswer> converged_answer(const TestScene& test, const PrecomputeOptions& options,
                                          const AnswerSize& size = {}, const ProgressObserver& observer = {});
-
-/// The worst over rooms of |I - I*| / |I*|, rooms that are too dark or have few sensors left out.
-double worst_room_error(const ConvergedAnswer& answer, std::size_t light, const std::vector<Rgb>& values);
 
 /// |I - J| / |J| over the sensors that see a room. Sensors are spread evenly over all surfaces, so this is
 /// weighted by area.

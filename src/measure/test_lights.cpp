@@ -171,6 +171,8 @@ Result<TestScene> test_scene(Scene scene, std::size_t sensors) {
     result.sensors.push_back({std::to_string(i), geometry.origin + glm::dvec3(at.position), at.normal});
   }
   add_lamp(lamp, geometry.origin, scene);
+  result.lamp_material = std::uint32_t(scene.materials.size() - 1);
+  result.lamp_exitance = exitance_from_radiance(scene.materials.back().emission);
   result.scene = std::move(scene);
   return result;
 }
@@ -194,11 +196,11 @@ Result<Lighting> test_lighting(const Model& model, const TestLight& light) {
       Rgb& exitance = lighting.exitance[next++];
       const bool is_lamp = cluster.material == std::uint32_t(lamp - model.materials.begin());
       if (!(light.lamp && is_lamp)) exitance = Rgb(0.0);
-      if (light.ambient && model.sky_cells.empty()) exitance = Rgb(1000.0);
+      if (light.ambient && model.sky_cells.empty()) exitance = kAmbientLight;
     }
   }
   if (light.ambient)
-    lighting.sky_radiosity = sky_radiosity(Rgb(1000.0), model.sky_cells, model.sky_resolution);
+    lighting.sky_radiosity = sky_radiosity(kAmbientLight, model.sky_cells, model.sky_resolution);
   if (!light.lights.empty()) {
     auto direct = direct_irradiance(model, light.lights);
     if (!direct) return tl::unexpected(direct.error());

@@ -13,6 +13,9 @@
 
 namespace relume {
 
+/// Of `ambient`: radiance of the sky (cd/m2), or where none is seen the exitance of all surfaces (lm/m2).
+inline constexpr Rgb kAmbientLight{1000.0};
+
 struct TestLight {
   std::string name;
   std::vector<Light> lights;
@@ -26,6 +29,8 @@ struct TestScene {
   Scene scene;
   std::vector<TestLight> lights;  ///< ambient, the lamp, two points, a spot
   std::vector<SensorPoint> sensors;
+  std::uint32_t lamp_material = 0;  ///< index into Scene::materials
+  Rgb lamp_exitance{0.0};           ///< lm/m2, while it shines
 };
 
 Result<TestScene> test_scene(Scene scene, std::size_t sensors);

@@ -165,14 +165,19 @@ void add_walled_floor(SceneBuilder& builder, double offset, double thickness) {
   builder.add_box("wall", m, {offset, -0.5, -1}, {offset + thickness, 3, 5}, SceneBuilder::Facing::outward);
 }
 
-class WalledFloor : public testing::TestWithParam<double> {};
+struct Wall {
+  double at, thickness;
+};
+
+class WalledFloor : public testing::TestWithParam<Wall> {};
 
 TEST_P(WalledFloor, NoElementLinkOrClusterLiesOnBothSides) {
   SceneBuilder builder;
-  add_walled_floor(builder, 2.03, GetParam());
+  const Wall wall = GetParam();
+  add_walled_floor(builder, wall.at, wall.thickness);
   const Surfaces s(builder.scene(), 0.1, 0.5);
   const auto side_of = [&](const Element& e) {
-    return e.position.x < 2.03 ? -1 : (e.position.x > 2.03 + GetParam() ? 1 : 0);
+    return e.position.x < wall.at ? -1 : (e.position.x > wall.at + wall.thickness ? 1 : 0);
   };
   std::map<std::uint32_t, int> side_of_cluster;
   bool left = false, right = false;
@@ -191,8 +196,28 @@ TEST_P(WalledFloor, NoElementLinkOrClusterLiesOnBothSides) {
   }
 }
 
-// In lumels: a quarter, a half, a tenth and a hundredth; and two.
-INSTANTIATE_TEST_SUITE_P(Thickness, WalledFloor, testing::Values(0.025, 0.05, 0.01, 0.001, 0.2));
+// In lumels: a quarter, a half, a tenth and a hundredth; and two. And in the last lumel of the floor, which
+// has no neighbour behind the wall.
+INSTANTIATE_TEST_SUITE_P(Walls, WalledFloor,
+                         testing::Values(Wall{2.03, 0.025}, Wall{2.03, 0.05}, Wall{2.03, 0.01},
+                                         Wall{2.03, 0.001}, Wall{2.03, 0.2}, Wall{3.965, 0.01},
+                                         Wall{0.02, 0.001}));
+
+// Its lumel is seen from all sides of it, and stays whole.
+TEST(Elements, APostOnTheEdgeOfAFloorCutsNothing) {
+  SceneBuilder builder;
+  const auto m = builder.material("m", Rgb(0.5));
+  builder.add_quad("floor", m, floor_quad(0, 0, 1, 1));
+  const Surfaces bare(builder.scene(), 0.25, 0.5);
+  builder.add_standing_box("post", m, {0.05, 0, 0.05}, {0.08, 2, 0.08});
+  const Surfaces posted(builder.scene(), 0.25, 0.5);
+  std::size_t floor = 0, walled = 0;
+  for (const Element& e : posted.surface.elements) {
+    if (posted.charts[e.chart].node == 0) ++floor, walled += e.walled ? 1 : 0;
+  }
+  EXPECT_EQ(floor, bare.surface.elements.size());
+  EXPECT_EQ(walled, 0u);
+}
 
 TEST(Clusters, TwoTrianglesAreCut) {
   SceneBuilder builder;

@@ -4,8 +4,14 @@
 // are one quad for both rooms.
 #include "verification/sealed_rooms.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
+#include <glm/common.hpp>
+#include <string>
 #include <tuple>
+
+#include "support/scene_builder.h"
 
 namespace relume::test {
 namespace {
@@ -53,6 +59,59 @@ TEST_P(SealedRoomsCut, StayDarkBesideALitOne) {
 
 INSTANTIATE_TEST_SUITE_P(Budgets, SealedRoomsCut,
                          testing::Combine(kThicknesses, testing::Values(16u, 32u, 64u, 128u, 256u)));
+
+/// A room of 2 m whose six boards stick out by so much at all edges.
+Scene house_of_boards(double out) {
+  SceneBuilder builder;
+  const auto board = builder.material("board", Rgb(0.5));
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double at : {0.0, 2.0}) {
+      glm::dvec3 lower(-out), upper(2.0 + out);
+      lower[axis] = upper[axis] = at;
+      const auto corner = [&](bool u, bool v) {
+        glm::dvec3 p = lower;
+        p[(axis + 1) % 3] = u ? upper[(axis + 1) % 3] : lower[(axis + 1) % 3];
+        p[(axis + 2) % 3] = v ? upper[(axis + 2) % 3] : lower[(axis + 2) % 3];
+        return p;
+      };
+      std::array<glm::dvec3, 4> corners{corner(false, false), corner(true, false), corner(true, true),
+                                        corner(false, true)};
+      if (at > 0.0) std::swap(corners[1], corners[3]);
+      builder.add_quad("board " + std::to_string(2 * axis + (at > 0.0 ? 1 : 0)), board, corners);
+    }
+  }
+  return builder.scene();
+}
+
+class HouseOfBoards : public testing::TestWithParam<double> {};
+
+// The last lumels of each board lie partly in the room, and have no neighbours outside.
+TEST_P(HouseOfBoards, IsDarkInsideUnderAnySky) {
+  PrecomputeOptions options;
+  options.texel_size = kLumel;
+  options.cluster_size = 2.0 * kLumel;
+  options.quality = 64;
+  const Model model = precompute_or_throw(house_of_boards(GetParam()), options);
+  Lighting lighting = stored_lighting(model);
+  lighting.sky_radiosity.assign(model.sky_cells.size(), Rgb(100.0));
+  const ReferenceMatrices matrices = reference_matrices(model);
+  const auto solution = solve_reference(matrices.bounce, lighting, {});
+  ASSERT_TRUE(solution) << solution.error().message;
+  double inside = 0.0, outside = 0.0;
+  std::size_t cluster = 0;
+  for (const System& system : model.systems) {
+    for (const Cluster& c : system.clusters) {
+      const glm::vec3 off = glm::abs(c.centroid - 1.0f);
+      double& sum = std::max({off.x, off.y, off.z}) <= 1.0f + 1e-5f ? inside : outside;
+      sum += double(c.area) * solution->radiosity[cluster++].g;
+    }
+  }
+  EXPECT_GT(outside, 0.0);
+  EXPECT_LT(inside, 1e-4 * outside);
+}
+
+// In lumels: a tenth, a third, not quite a half, nearly one.
+INSTANTIATE_TEST_SUITE_P(SticksOut, HouseOfBoards, testing::Values(0.01, 0.033, 0.047, 0.09));
 
 }  // namespace
 }  // namespace relume::test
