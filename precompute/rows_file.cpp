@@ -15,7 +15,7 @@ namespace relume {
 namespace {
 
 constexpr std::uint32_t kWhole = 0xffffffffu;  ///< owner of all sections
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 std::vector<std::byte> texts(const std::vector<std::string>& strings) {
   std::vector<std::byte> bytes;

@@ -24,7 +24,7 @@ namespace relume {
 
 /// What rays asked of the scene. Stored.
 struct RowsSettings {
-  std::uint32_t version = 1;  ///< of these sections
+  std::uint32_t version = 2;  ///< of these sections, and of what they know of cells
   float offset = 0.0f;        ///< m, that rays are lifted by
   std::uint64_t seed = 0;
   double texel_size = 0.0, cluster_size = 0.0;  ///< m

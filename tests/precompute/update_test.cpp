@@ -267,10 +267,10 @@ TEST(RowsFileOf, TornOrMutatedBytesIsRefused) {
 TEST(RowsFileOf, AFutureVersionOrAModelIsRefused) {
   const Built built = build(Room(), plain_options());
   RowsFile future = built.file();
-  future.settings.version = 2;
+  future.settings.version = 3;
   const auto refused = decode_rows(encode_rows(future), "r");
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().message, "r: section 'RINF': expected version 1 of the rows, found 2");
+  EXPECT_EQ(refused.error().message, "r: section 'RINF': expected version 2 of the rows, found 3");
   EXPECT_EQ(refused.error().code, ErrorCode::bad_input);
   EXPECT_FALSE(decode_rows(built.model, "r"));
   RowsFile short_of_rays = built.file();
