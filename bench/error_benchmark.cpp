@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "benchmarks.h"
 #include "measure/converged_answer.h"
 #include "measure/room_errors.h"
@@ -70,22 +68,30 @@ void report_subject(const RoomTruth& truth, const Subject& subject, const Solved
   add("precompute", "s", {solved.report.seconds_total});
 }
 
-/// More and more paths, until noise is small or they are many.
+/// More and more paths for the sensors of noisy rooms, until noise is small or they are many.
 Result<RoomTruth> trace_truth(const TestScene& test, const Model& dense) {
-  constexpr double kSmallNoise = 0.03;
-  constexpr std::uint32_t kMostPaths = 65536;
+  constexpr double kSmallNoise = 0.05;
+  constexpr std::uint32_t kMostPaths = 1u << 18;
   PathOptions options;
   options.sky = !dense.sky_cells.empty();
-  RoomTruth truth{{}, sensor_rooms(dense)};
-  for (options.paths = 4096;; options.paths *= 4) {
-    auto paths = path_irradiance(test, options);
-    if (!paths) return tl::unexpected(paths.error());
-    truth.paths = std::move(*paths);
-    const std::vector<double> noise = worst_noise(truth);
-    fmt::print(stderr, "{} paths a sensor: noise {}\n", options.paths, fmt::join(noise, " "));
-    if (*std::max_element(noise.begin(), noise.end()) <= kSmallNoise || options.paths >= kMostPaths)
-      return truth;
+  auto paths = path_irradiance(test, options);
+  if (!paths) return tl::unexpected(paths.error());
+  RoomTruth truth{std::move(*paths), sensor_rooms(dense)};
+  while (options.paths < kMostPaths) {
+    options.sensors = noisy_sensors(truth, kSmallNoise);
+    if (options.sensors.empty()) break;
+    options.paths *= 4;
+    fmt::print(stderr, "{} paths for {} sensors\n", options.paths, options.sensors.size());
+    const auto more = path_irradiance(test, options);
+    if (!more) return tl::unexpected(more.error());
+    for (std::size_t l = 0; l < more->values.size(); ++l) {
+      for (const std::uint32_t i : options.sensors) {
+        truth.paths.values[l][i] = more->values[l][i];
+        truth.paths.noise[l][i] = more->noise[l][i];
+      }
+    }
   }
+  return truth;
 }
 
 }  // namespace

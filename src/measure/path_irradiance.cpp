@@ -6,10 +6,11 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <numeric>
+#include <optional>
 
 #include "core/mix.h"
 #include "precompute/arena_threads.h"
@@ -242,6 +243,27 @@ class SensorPaths {
   std::vector<Rgb> sums_;
 };
 
+void trace_sensor(const Surroundings& around, const SobolPoints& points, std::uint32_t index,
+                  PathIrradiance& result) {
+  const SensorPoint& sensor = around.test.sensors[index];
+  SensorPaths paths(around, lift_sensor(around.geometry, around.caster, sensor.position, sensor.normal),
+                    mix(0x7061746873ull, index));
+  const std::size_t lights = around.test.lights.size();
+  std::vector<Rgb> means(lights, Rgb(0.0)), squares(lights, Rgb(0.0));
+  for (std::uint32_t b = 0; b < kBatches; ++b) {
+    const std::vector<Rgb> sums = paths.batch(points, b);
+    for (std::size_t l = 0; l < lights; ++l) {
+      const Rgb mean = sums[l] / double(points.count());
+      means[l] += mean / double(kBatches), squares[l] += mean * mean / double(kBatches);
+    }
+  }
+  for (std::size_t l = 0; l < lights; ++l) {
+    const Rgb variance = squares[l] - means[l] * means[l];
+    result.values[l][index] = means[l];
+    result.noise[l][index] = std::max(0.0, variance.r + variance.g + variance.b) / double(kBatches - 1);
+  }
+}
+
 }  // namespace
 
 Result<PathIrradiance> path_irradiance(const TestScene& test, const PathOptions& options) {
@@ -251,28 +273,16 @@ Result<PathIrradiance> path_irradiance(const TestScene& test, const PathOptions&
   PathIrradiance result;
   result.values.assign(lights, std::vector<Rgb>(sensors, Rgb(0.0)));
   result.noise.assign(lights, std::vector<double>(sensors, 0.0));
+  std::vector<std::uint32_t> asked = options.sensors;
+  if (asked.empty()) {
+    asked.resize(sensors);
+    std::iota(asked.begin(), asked.end(), 0u);
+  }
   const SobolPoints points(std::max(1u, options.paths / kBatches));
   tbb::task_arena arena(arena_threads(options.threads));
   arena.execute([&] {
-    tbb::parallel_for(std::size_t{0}, sensors, [&](std::size_t i) {
-      const SensorPoint& sensor = test.sensors[i];
-      SensorPaths paths(*around,
-                        lift_sensor(around->geometry, around->caster, sensor.position, sensor.normal),
-                        mix(0x7061746873ull, i));
-      std::vector<Rgb> squares(lights, Rgb(0.0));
-      for (std::uint32_t b = 0; b < kBatches; ++b) {
-        const std::vector<Rgb> sums = paths.batch(points, b);
-        for (std::size_t l = 0; l < lights; ++l) {
-          const Rgb mean = sums[l] / double(points.count());
-          result.values[l][i] += mean / double(kBatches);
-          squares[l] += mean * mean / double(kBatches);
-        }
-      }
-      for (std::size_t l = 0; l < lights; ++l) {
-        const Rgb variance = squares[l] - result.values[l][i] * result.values[l][i];
-        result.noise[l][i] = (variance.r + variance.g + variance.b) / double(kBatches - 1);
-      }
-    });
+    tbb::parallel_for(std::size_t{0}, asked.size(),
+                      [&](std::size_t i) { trace_sensor(*around, points, asked[i], result); });
   });
   return result;
 }

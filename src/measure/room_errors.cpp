@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
+#include <set>
 
 #include "core/model.h"
 
@@ -18,6 +19,7 @@ constexpr double kDark = 1e-3;
 
 /// Squares over the sensors of a room.
 struct RoomSums {
+  std::uint32_t room = kNone;
   double difference = 0.0, noise = 0.0, total = 0.0, count = 0.0;
 };
 
@@ -28,6 +30,7 @@ std::vector<RoomSums> room_sums(const RoomTruth& truth, std::size_t light, const
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (truth.rooms[i] == kNone) continue;
     RoomSums& room = sums[truth.rooms[i]];
+    room.room = truth.rooms[i];
     const Rgb& exact = truth.paths.values[light][i];
     const double noise = truth.paths.noise[light][i];
     room.difference += glm::dot(values[i] - exact, values[i] - exact) - noise;
@@ -58,6 +61,20 @@ double worst_room_noise(const RoomTruth& truth, std::size_t light) {
   for (const RoomSums& room : room_sums(truth, light, truth.paths.values[light]))
     worst = std::max(worst, std::sqrt(room.noise / room.total));
   return worst;
+}
+
+std::vector<std::uint32_t> noisy_sensors(const RoomTruth& truth, double noise) {
+  std::set<std::uint32_t> rooms;
+  for (std::size_t l = 0; l < truth.paths.values.size(); ++l) {
+    for (const RoomSums& room : room_sums(truth, l, truth.paths.values[l])) {
+      if (room.noise > noise * noise * room.total) rooms.insert(room.room);
+    }
+  }
+  std::vector<std::uint32_t> sensors;
+  for (std::uint32_t i = 0; i < truth.rooms.size(); ++i) {
+    if (rooms.count(truth.rooms[i]) > 0) sensors.push_back(i);
+  }
+  return sensors;
 }
 
 }  // namespace relume

@@ -25,4 +25,7 @@ double worst_room_error(const RoomTruth& truth, std::size_t light, const std::ve
 /// The noise of I* itself, over I*: the worst over the same rooms. Of errors, far less of it is left.
 double worst_room_noise(const RoomTruth& truth, std::size_t light);
 
+/// Sensors in rooms whose I* of any light has more noise than this.
+std::vector<std::uint32_t> noisy_sensors(const RoomTruth& truth, double noise);
+
 }  // namespace relume
