@@ -14,8 +14,6 @@ namespace {
 
 /// A room with fewer of the sensors has no mean worth the name.
 constexpr double kLeastSensors = 0.02;
-/// Rooms this much dimmer than the brightest count as dark.
-constexpr double kDark = 1e-3;
 
 /// Squares over the sensors of a room.
 struct RoomSums {
@@ -24,7 +22,8 @@ struct RoomSums {
 };
 
 /// Of the rooms that count. Noise is taken off `difference` and `total`.
-std::vector<RoomSums> room_sums(const RoomTruth& truth, std::size_t light, const std::vector<Rgb>& values) {
+std::vector<RoomSums> room_sums(const RoomTruth& truth, std::size_t light, const std::vector<Rgb>& values,
+                                double dark = kDarkRoom) {
   std::map<std::uint32_t, RoomSums> sums;
   double counted = 0.0, brightest = 0.0;
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -41,7 +40,7 @@ std::vector<RoomSums> room_sums(const RoomTruth& truth, std::size_t light, const
   for (const auto& [index, room] : sums) brightest = std::max(brightest, room.total / room.count);
   std::vector<RoomSums> rooms;
   for (const auto& [index, room] : sums) {
-    if (room.count >= kLeastSensors * counted && room.total / room.count >= kDark * kDark * brightest)
+    if (room.count >= kLeastSensors * counted && room.total / room.count >= dark * dark * brightest)
       rooms.push_back(room);
   }
   return rooms;
@@ -49,9 +48,10 @@ std::vector<RoomSums> room_sums(const RoomTruth& truth, std::size_t light, const
 
 }  // namespace
 
-double worst_room_error(const RoomTruth& truth, std::size_t light, const std::vector<Rgb>& values) {
+double worst_room_error(const RoomTruth& truth, std::size_t light, const std::vector<Rgb>& values,
+                        double dark) {
   double worst = 0.0;
-  for (const RoomSums& room : room_sums(truth, light, values))
+  for (const RoomSums& room : room_sums(truth, light, values, dark))
     worst = std::max(worst, std::sqrt(std::max(0.0, room.difference) / room.total));
   return worst;
 }
