@@ -21,8 +21,7 @@ constexpr double kLumels = 12000.0;
 constexpr std::array<Benchmark, 11> kBenchmarks{{
     {"precompute_vs_embree", "time of a precompute against that of bare Embree for the same rays",
      precompute_vs_embree},
-    {"error", "error and size of models for error targets and flat budgets, against a converged answer",
-     error},
+    {"error", "error and size of models for error targets and flat budgets, against paths", error},
     {"bounds", "width of the bracket, and the certificate over the error, of models for an error target",
      bounds},
     {"sampling", "error of rows over clusters of 0.5 m and speed, of our rays and of random ones", sampling},

@@ -41,8 +41,9 @@ Measurements precompute_vs_embree(const BenchmarkOptions& options);
 /// Form factors a second of the plain reference product and of each device kernel, against what memory gives.
 Measurements solve(const BenchmarkOptions& options);
 
-/// Errors of --error and --budget at sensors, for lights that the precompute has not seen, against a
-/// converged answer; of several targets and budgets, or of the target that was given.
+/// Errors of --error and --budget at sensors, for lights that the precompute has not seen, against paths
+/// traced from them (measure/path_irradiance.h); of several targets and budgets, or of the target that was
+/// given.
 Measurements error(const BenchmarkOptions& options);
 
 /// How wide the bracket of the full rows' answer is at the median lumel, for lights that the precompute has

@@ -74,7 +74,7 @@ void report_subject(const RoomTruth& truth, const Subject& subject, const Solved
 /// More and more paths for the sensors of noisy rooms, until noise is small or they are many.
 Result<RoomTruth> trace_truth(const TestScene& test, const Model& dense) {
   constexpr double kSmallNoise = 0.05;
-  constexpr std::uint32_t kMostPaths = 1u << 18;
+  constexpr std::uint32_t kMostPaths = 1u << 16;
   PathOptions options;
   options.sky = !dense.sky_cells.empty();
   auto paths = path_irradiance(test, options);
