@@ -76,7 +76,7 @@ Result<RoomTruth> trace_truth(const TestScene& test, const Model& dense) {
   constexpr double kSmallNoise = 0.05;
   constexpr std::uint32_t kMostPaths = 1u << 16;
   PathOptions options;
-  options.sky = !dense.sky_cells.empty();
+  options.sky = !dense.sky_cells.empty(), options.max_albedo = dense.max_albedo;
   auto paths = path_irradiance(test, options);
   if (!paths) return tl::unexpected(paths.error());
   RoomTruth truth{std::move(*paths), sensor_rooms(dense)};

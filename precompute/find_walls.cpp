@@ -85,31 +85,42 @@ struct Sight {
   bool seen = false;
 };
 
+/// Between the points of a cell: from the middle to its corners, then from each that is in sight to those
+/// that are not yet, so that a post in between does not count.
+struct OwnSights {
+  std::vector<Sight> asked;
+  bool cut = false;  ///< a corner stays out of sight
+};
+
+OwnSights look_for_corners(const WallSearch& search, std::size_t a, std::uint64_t& rays) {
+  std::vector<SurfacePoint> hidden = search.corners(a), seen{point_of(search.cells.whole[a])};
+  OwnSights sights;
+  for (std::size_t i = 0; i < seen.size() && !hidden.empty(); ++i) {
+    const SurfacePoint from = seen[i];
+    std::vector<SurfacePoint> still_hidden;
+    for (const SurfacePoint& corner : hidden) {
+      const bool visible = search.views.ask(from, corner, rays);
+      sights.asked.push_back({from, corner, visible});
+      (visible ? seen : still_hidden).push_back(corner);
+    }
+    hidden = std::move(still_hidden);
+  }
+  sights.cut = !hidden.empty();
+  return sights;
+}
+
+/// Whether all corners were in sight before, and nothing changed there.
+bool still_whole(const WallSearch& search, std::size_t a) {
+  if (search.known == nullptr) return false;
+  const std::vector<SurfacePoint> corners = search.corners(a);  // the farthest first
+  return corners.empty() || still_visible(search.cells, search.known, a, a, corners[0].position);
+}
+
 /// What was found about a cell.
 struct Blocked {
   std::vector<std::uint32_t> neighbours;  ///< the middle of the cell does not see theirs
   bool cut = false;                       ///< a corner of it is out of sight
-  std::vector<Sight> sights;              ///< between its own points; empty: the middle sees all corners
 };
-
-/// Whether a corner is seen neither from the middle nor from a corner that is in sight: a post in between
-/// does not count.
-void look_for_corners(const WallSearch& search, std::size_t a, Blocked& blocked, std::uint64_t& rays) {
-  std::vector<SurfacePoint> hidden = search.corners(a), seen{point_of(search.cells.whole[a])};
-  if (hidden.empty() || still_visible(search.cells, search.known, a, a, hidden[0].position)) return;
-  for (std::size_t i = 0; i < seen.size() && !hidden.empty(); ++i) {
-    std::vector<SurfacePoint> still_hidden;
-    for (const SurfacePoint& corner : hidden) {
-      const SurfacePoint from = seen[i];
-      const bool visible = search.views.ask(from, corner, rays);
-      blocked.sights.push_back({from, corner, visible});
-      (visible ? seen : still_hidden).push_back(corner);
-    }
-    hidden = std::move(still_hidden);
-    if (i == 0 && hidden.empty()) blocked.sights.clear();
-  }
-  blocked.cut = !hidden.empty();
-}
 
 Blocked look_around(const WallSearch& search, std::size_t a, bool surrounded, std::uint64_t& rays) {
   const Cells& cells = search.cells;
@@ -119,12 +130,14 @@ Blocked look_around(const WallSearch& search, std::size_t a, bool surrounded, st
     if (!search.views.ask(point_of(cells.whole[a]), point_of(cells.whole[b]), rays))
       blocked.neighbours.push_back(b);
   });
-  if (!surrounded) look_for_corners(search, a, blocked, rays);
+  if (!surrounded && !still_whole(search, a)) blocked.cut = look_for_corners(search, a, rays).cut;
   return blocked;
 }
 
-/// Of cells that stay whole, their elements tell the next time what they saw.
-void keep_answers(const WallSearch& search, std::size_t a, bool surrounded, const Blocked& blocked) {
+/// Of cells that stay whole, their elements tell the next time what they saw. Of the others, corners are
+/// asked once more: nobody did where a cell was whole before, and few are split.
+void keep_answers(const WallSearch& search, std::size_t a, bool surrounded, const Blocked& blocked,
+                  std::uint64_t& rays) {
   const Cells& cells = search.cells;
   const SurfacePoint middle = point_of(cells.whole[a]);
   search.for_each_linkable(a, [&](std::uint32_t b) {
@@ -132,10 +145,9 @@ void keep_answers(const WallSearch& search, std::size_t a, bool surrounded, cons
     const auto found = std::find(blocked.neighbours.begin(), blocked.neighbours.end(), b);
     search.views.keep(middle, point_of(cells.whole[b]), found == blocked.neighbours.end());
   });
-  if (surrounded || cells.split[a] == 0) return;
-  for (const Sight& sight : blocked.sights) search.views.keep(sight.from, sight.to, sight.seen);
-  if (!blocked.sights.empty()) return;
-  for (const SurfacePoint& corner : search.corners(a)) search.views.keep(middle, corner, true);
+  if (surrounded || cells.split[a] == 0 || !search.views.records()) return;
+  for (const Sight& sight : look_for_corners(search, a, rays).asked)
+    search.views.keep(sight.from, sight.to, sight.seen);
 }
 
 }  // namespace
@@ -156,8 +168,11 @@ std::uint64_t find_walls(const Geometry& geometry, const std::vector<Chart>& cha
     for (const std::uint32_t b : blocked[a].neighbours) mark(a), mark(b);
     if (blocked[a].cut) mark(a);
   }
-  tbb::parallel_for(std::size_t{0}, cells.whole.size(),
-                    [&](std::size_t a) { keep_answers(search, a, surrounded[a] != 0, blocked[a]); });
+  tbb::parallel_for(std::size_t{0}, cells.whole.size(), [&](std::size_t a) {
+    std::uint64_t traced = 0;
+    keep_answers(search, a, surrounded[a] != 0, blocked[a], traced);
+    rays += traced;
+  });
   return rays;
 }
 

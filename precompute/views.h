@@ -31,6 +31,8 @@ class Views {
   std::vector<bool> ask_each(const SurfacePoint& a, std::span<const SurfacePoint> points,
                              std::uint64_t& rays) const;
   void keep(const SurfacePoint& a, const SurfacePoint& b, bool visible);
+  /// Whether answers are kept at all.
+  bool records() const { return record_; }
   /// Whether a point lies inside other geometry: more than half of some rays meet back faces. The answer is
   /// kept.
   bool inside(const SurfacePoint& point, std::uint64_t& rays);

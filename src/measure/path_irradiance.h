@@ -18,8 +18,8 @@ struct PathOptions {
   std::uint32_t paths = 4096;          ///< per sensor, eight batches of a power of two
   std::vector<std::uint32_t> sensors;  ///< which of them are asked for, the others get 0; empty: all
   bool sky = false;                    ///< for `ambient`: the sky shines; else all surfaces glow
-  double max_albedo = 0.95;
-  std::uint32_t threads = 0;  ///< 0: all
+  double max_albedo = 0.95;            ///< Model::max_albedo of what is compared
+  std::uint32_t threads = 0;           ///< 0: all
 };
 
 struct PathIrradiance {

@@ -21,6 +21,8 @@ struct Room {
   bool stool = false;         ///< one more thing, before all others
   bool pane = true;           ///< a see-through pane and a grid
   std::optional<double> rug;  ///< x of one that lies in the plane of the floor
+  bool post = false;          ///< one in the corner of the room, in its first lumel
+  bool second_post = false;   ///< beside its diagonal neighbour's middle
   P lamp{2.0, 1.8, 1.0};
   Rgb wall{0.6}, shine{50.0};
 };
@@ -52,6 +54,8 @@ Scene scene_of(const Room& room) {
     const P r(*room.rug, 0.0, 1.9);
     b.add_quad("rug", wall, {r, r + P(0, 0, 0.7), r + P(1.1, 0, 0.7), r + P(1.1, 0, 0)});
   }
+  if (room.post) b.add_standing_box("post", wall, P(0.03, 0, 0.03), P(0.06, 1, 0.06));
+  if (room.second_post) b.add_standing_box("post 2", wall, P(0.262, 0, 0.262), P(0.29, 1, 0.29));
   const P l = room.lamp;
   b.add_quad("lamp", lamp, {l, l + P(0.4, 0, 0), l + P(0.4, 0, 0.3), l + P(0, 0, 0.3)});
   return b.scene();
@@ -162,6 +166,15 @@ TEST(UpdateOf, WhatLiesInOnePlaneWithOthersIsACleanBuild) {
   expect_clean(here, there, few_rays);
   expect_clean(without, here, few_rays);
   expect_clean(here, without, few_rays);
+}
+
+// The first lumel of the floor is whole, though its middle does not see one of its corners, until a post
+// comes between it and a neighbour.
+TEST(UpdateOf, PostsInTheCornerOfAFloorIsACleanBuild) {
+  Room one, two;
+  one.post = two.post = true, two.second_post = true;
+  expect_clean(one, two, few_rays);
+  expect_clean(two, one, few_rays);
 }
 
 TEST(UpdateOf, ASceneThatTheRigLightsIsACleanBuild) {
