@@ -153,6 +153,23 @@ VkResult vkResetFences(VkDevice device, std::uint32_t count, const VkFence* fenc
 namespace relume::test {
 namespace {
 
+/// Keeps drivers loaded, which some do not survive to be again and again (NVIDIA's after some thirty times).
+class LoadedDrivers {
+ public:
+  LoadedDrivers() {
+    VkInstanceCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
+    if (loader<PFN_vkCreateInstance>("vkCreateInstance")(&info, nullptr, &instance_) != VK_SUCCESS)
+      instance_ = VK_NULL_HANDLE;
+  }
+  ~LoadedDrivers() { loader<PFN_vkDestroyInstance>("vkDestroyInstance")(instance_, nullptr); }
+  LoadedDrivers(const LoadedDrivers&) = delete;
+  LoadedDrivers& operator=(const LoadedDrivers&) = delete;
+
+ private:
+  VkInstance instance_ = VK_NULL_HANDLE;
+};
+
 class OwnDeviceFaults : public testing::Test {
  protected:
   /// From no instance to an answer.
@@ -164,6 +181,7 @@ class OwnDeviceFaults : public testing::Test {
     return std::move(out->irradiance);
   }
 
+  LoadedDrivers drivers_;
   Model model_ = random_model({.clusters_of_system = {20}, .gather_rows = 12}, 1);
   Lighting lighting_ = random_lighting(model_, 2);
 };
