@@ -105,6 +105,16 @@ void store_charts(const ModelParts& parts, const AtlasLayout& layout, System& sy
   }
 }
 
+/// Backs of hollows look like their fronts, whoever may see them.
+void show_hollows(const Geometry& geometry, Occluders& occluders) {
+  if (occluders.back_uv.empty()) return;
+  for (std::size_t t = 0; t < geometry.hollow.size(); ++t) {
+    const auto first = std::ptrdiff_t(3 * t);
+    if (geometry.hollow[t])
+      std::copy_n(occluders.front_uv.begin() + first, 3, occluders.back_uv.begin() + first);
+  }
+}
+
 void store_occluders(const ModelParts& parts, Occluders& occluders) {
   const Geometry& geometry = parts.geometry;
   occluders.positions = geometry.positions, occluders.triangles = geometry.triangles;
@@ -124,6 +134,7 @@ void store_occluders(const ModelParts& parts, Occluders& occluders) {
       }
     }
   }
+  show_hollows(geometry, occluders);
 }
 
 /// Patches of the sky that no column means have no place in the model.

@@ -130,7 +130,7 @@ Result<Chart> given_chart(const Scene& scene, const Geometry& geometry, Triangle
   return chart;
 }
 
-/// The same charts for the backs of double-sided triangles.
+/// The same charts for the backs of triangles that have one.
 std::vector<Chart> back_charts(const Geometry& geometry, const std::vector<Chart>& fronts) {
   std::vector<Chart> backs;
   for (const Chart& front : fronts) {
@@ -139,7 +139,7 @@ std::vector<Chart> back_charts(const Geometry& geometry, const std::vector<Chart
     back.triangles.clear();
     back.corners.clear();
     for (std::size_t i = 0; i < front.triangles.size(); ++i) {
-      if (!geometry.double_sided[geometry.material[front.triangles[i]]]) continue;
+      if (!geometry.has_back(front.triangles[i])) continue;
       back.triangles.push_back(front.triangles[i]);
       back.corners.push_back(front.corners[i]);
     }

@@ -131,7 +131,7 @@ std::optional<SurfaceHit> seen_surface(const Geometry& geometry, const SurfaceHi
                                        const glm::vec3& direction) {
   SurfaceHit hit = met;
   hit.side = glm::dot(geometry.normals[met.triangle], direction) < 0.0f ? Side::front : Side::back;
-  if (hit.side == Side::front || geometry.double_sided[geometry.material[met.triangle]]) return hit;
+  if (hit.side == Side::front || geometry.has_back(met.triangle)) return hit;
   const std::uint32_t other = geometry.opposite[met.triangle];
   if (other == kNone) return std::nullopt;
   const glm::vec2 uv = reorder(corners_of(geometry, met.triangle), corners_of(geometry, other), met.u, met.v);

@@ -25,16 +25,22 @@ struct Geometry {
   std::vector<glm::vec3> normals;       ///< per triangle, unit, of the front
   std::vector<float> areas;             ///< per triangle, m2
   std::vector<bool> double_sided;       ///< per material
+  std::vector<bool>
+      hollow;  ///< per triangle: its back bounds a hollow (find_hollows.h); empty where none does
   TriangleOpacity opacity;
   std::vector<std::uint32_t>
       opposite;       ///< per triangle: the one that covers the same corners in the other sense, or kNone
-  double area = 0.0;  ///< m2 of all receiving sides
+  double area = 0.0;  ///< m2 of all receiving sides, hollows among them
   glm::vec3 lower{0.0f}, upper{0.0f};  ///< bounds
   float offset = 0.0f;                 ///< see ray_offset.h
 
   glm::vec3 point(std::uint32_t triangle, float u, float v) const {
     const auto& t = triangles[triangle];
     return positions[t[0]] * (1.0f - u - v) + positions[t[1]] * u + positions[t[2]] * v;
+  }
+  /// Whether the back of a triangle receives and sends light.
+  bool has_back(std::uint32_t triangle) const {
+    return double_sided[material[triangle]] && !(triangle < hollow.size() && hollow[triangle]);
   }
   glm::vec3 normal(std::uint32_t triangle, Side side) const {
     return side == Side::front ? normals[triangle] : -normals[triangle];
@@ -57,8 +63,8 @@ struct SurfaceHit {
 };
 
 /// What a ray travelling along `direction` sees where it met a triangle, or nothing: the back of a
-/// single-sided surface is opaque and black. Two single-sided triangles back to back are one sheet: the ray
-/// sees the one that faces it, whichever was met.
+/// single-sided surface, or of one that bounds a hollow, is opaque and black. Two single-sided triangles back
+/// to back are one sheet: the ray sees the one that faces it, whichever was met.
 std::optional<SurfaceHit> seen_surface(const Geometry& geometry, const SurfaceHit& met,
                                        const glm::vec3& direction);
 

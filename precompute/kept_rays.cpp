@@ -105,7 +105,7 @@ void KeptRays::find_balls(const Surfaces& surfaces) {
 void KeptRays::translate(const Surfaces& surfaces, const RayCaster& caster, const SenderLookup& lookup,
                          std::span<const std::uint64_t> keys) {
   const Geometry& geometry = surfaces.geometry;
-  const std::vector<bool> settled = change_.settled(caster);
+  const std::vector<bool> settled = change_.settled(geometry, caster);
   new_codes_.assign(old_codes_.count(), RayCodes::kUnknown);
   new_codes_[RayCodes::kNoRay] = RayCodes::kNoRay;
   for (std::uint32_t code = RayCodes::kFirstCell; RayCodes::is_sky(code); ++code) {
@@ -120,7 +120,7 @@ void KeptRays::translate(const Surfaces& surfaces, const RayCaster& caster, cons
     const std::uint32_t own = change_.new_triangles()[t];
     if (own == kNone || !settled[own]) continue;
     const std::uint32_t opposite = geometry.opposite[own];
-    if (opposite == kNone && !geometry.double_sided[geometry.material[own]])
+    if (opposite == kNone && !geometry.has_back(own))
       new_codes_[old_codes_.back(t)] = codes_.back(own);
     if (!charted[own] && (opposite == kNone || !charted[opposite]))
       new_codes_[old_codes_.bare(t)] = codes_.bare(own);

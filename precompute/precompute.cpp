@@ -17,6 +17,7 @@
 #include "precompute/complete_model.h"
 #include "precompute/estimate.h"
 #include "precompute/estimate_errors.h"
+#include "precompute/find_hollows.h"
 #include "precompute/lift_sensor.h"
 #include "precompute/pilot.h"
 #include "precompute/place_probes.h"
@@ -50,6 +51,7 @@ std::string options_json(const PrecomputeOptions& options, const PrecomputeRepor
           : "";
   const std::string asked = std::string(options.reciprocal ? R"(,"reciprocal":true)" : "") +
                             (plan.clearance_share > 0.0 ? R"(,"clearance":true)" : "") +
+                            (options.keep_hollows ? R"(,"hollows":true)" : "") +
                             (options.bounds ? R"(,"bounds":true)" : "") +
                             (options.directional ? R"(,"directional":true)" : "");
   return fmt::format(
@@ -254,13 +256,28 @@ Result<RayCaster> cast(const Scene& scene, const PrecomputeOptions& options, con
   return make_caster(geometry, keeper->known_ties(geometry));
 }
 
+/// Takes the insides of solids out of what receives light.
+void leave_out_hollows(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
+                       Geometry& geometry, PrecomputeReport& report) {
+  std::vector<SurfacePoint> places;
+  for (const SensorPoint& sensor : options.sensors)
+    places.push_back(lift_sensor(geometry, caster, sensor.position, sensor.normal));
+  for (const ProbePoint& probe : options.probes)
+    places.push_back({glm::vec3(probe.position - geometry.origin), glm::vec3(0.0f)});
+  geometry.hollow = find_hollows(scene, geometry, caster, {places, options.seed});
+  for (std::size_t t = 0; t < geometry.hollow.size(); ++t)
+    report.hollow_area += geometry.hollow[t] ? double(geometry.areas[t]) : 0.0;
+  geometry.area -= report.hollow_area;
+  choose_sizes(options, geometry, report);
+}
+
 /// The model; where only an `estimate` is asked for, an empty one.
 Result<Model> build(const Scene& scene, const PrecomputeOptions& options, PrecomputeReport& report,
                     const ProgressObserver& observer, PrecomputeEstimate* estimate) {
   const auto start = std::chrono::steady_clock::now();
   if (scene.triangles.empty())
     return fail(ErrorCode::bad_input, fmt::format("{}: no static triangles to precompute", scene.file_name));
-  const Geometry geometry = make_geometry(scene);
+  Geometry geometry = make_geometry(scene);
   if (auto ok = check_sizes(options, geometry); !ok) return tl::unexpected(ok.error());
   if (observer && !observer("surfaces", 0.0))
     return fail(ErrorCode::cancelled, "stopped before the surfaces were cut");
@@ -268,10 +285,21 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   std::unique_ptr<RowsKeeper> keeper;
   std::optional<Result<RayCaster>> caster;
   std::vector<Chart> charts;
+  const auto make_own_charts = [&] {
+    charts = make_charts(scene, geometry, report.texel_size, report.warnings);
+  };
+  const bool hollows = !options.keep_hollows && may_have_hollows(geometry);
   // What all else waits for comes last: the calling thread begins with it.
-  tbb::parallel_invoke([&] { charts = make_charts(scene, geometry, report.texel_size, report.warnings); },
-                       [&] { caster.emplace(cast(scene, options, geometry, report, keeper)); });
+  tbb::parallel_invoke(
+      [&] {
+        if (!hollows) make_own_charts();
+      },
+      [&] { caster.emplace(cast(scene, options, geometry, report, keeper)); });
   if (!*caster) return tl::unexpected(caster->error());
+  if (hollows) {
+    leave_out_hollows(scene, options, **caster, geometry, report);
+    make_own_charts();
+  }
   const auto earlier = keeper ? keeper->earlier() : std::nullopt;
   ScenePart scene_part(scene, geometry, **caster,
                        keeper ? keeper->earlier_looks(geometry, **caster) : std::nullopt);

@@ -72,10 +72,11 @@ struct PrecomputeOptions {
   /// Rows of clusters obey reciprocity and keep their sums (reciprocal_rows.h): less noise of rays, and
   /// symmetric solvers converge. They are then held in memory together.
   bool reciprocal = false;
-  bool bounds = false;       ///< cut rows tell how they share out what they see of nodes (core/halvings.h),
-                             ///< and those between clusters are cut twice as fine
-  bool directional = false;  ///< the gather matrix gets directions (core/directional_irradiance.h)
-  bool keep_rows = false;    ///< the report gets rows
+  bool bounds = false;        ///< cut rows tell how they share out what they see of nodes (core/halvings.h),
+                              ///< and those between clusters are cut twice as fine
+  bool directional = false;   ///< the gather matrix gets directions (core/directional_irradiance.h)
+  bool keep_hollows = false;  ///< the insides of solids receive and send light, too (find_hollows.h)
+  bool keep_rows = false;     ///< the report gets rows
   /// Rows of an earlier precompute (rows_file.h), whose sizes count as asked for where none are. Only rays
   /// that what has changed since may have changed are traced; the model is the one that it would be without,
   /// bit for bit. Fails (bad_input) when they were traced with another seed, texel size or ray tracer, or in
@@ -114,6 +115,7 @@ struct PrecomputeReport {
   std::vector<std::string> changed_nodes;  ///< paths of those whose geometry is not that of the old rows
   std::uint64_t invalid_lumels = 0;
   std::uint64_t split_lumels = 0;
+  double hollow_area = 0.0;              ///< m2 of backs left out, inside of solids (find_hollows.h)
   ErrorEstimate error;                   ///< 0 where nothing was estimated
   std::optional<Projection> projection;  ///< where asked for
   double seconds_surfaces = 0.0;         ///< charts, lumels, clusters

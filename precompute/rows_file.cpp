@@ -15,7 +15,7 @@ namespace relume {
 namespace {
 
 constexpr std::uint32_t kWhole = 0xffffffffu;  ///< owner of all sections
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 
 std::vector<std::byte> texts(const std::vector<std::string>& strings) {
   std::vector<std::byte> bytes;
@@ -79,6 +79,7 @@ bool sound_scene(const RowsFile& rows) {
   const std::size_t triangles = rows.triangles.size();
   if (rows.triangle_keys.size() != triangles || rows.triangle_nodes.size() != triangles) return false;
   if (!rows.ties.empty() && rows.ties.size() != triangles) return false;
+  if (!rows.hollow.empty() && rows.hollow.size() != triangles) return false;
   if (rows.whole_elements.size() != rows.element_keys.size()) return false;
   if (!std::is_sorted(rows.views.begin(), rows.views.end())) return false;
   if (glm::any(glm::lessThan(rows.look_grid.size, glm::ivec3(1)))) return false;
@@ -132,7 +133,8 @@ Result<void> read_all(const Reader& reader, RowsFile& rows) {
   const bool whole = reader.read("RNAM", names) && reader.read("RNOD", rows.nodes) &&
                      reader.read("RPOS", rows.positions) && reader.read("RTRI", rows.triangles) &&
                      reader.read("RTKY", rows.triangle_keys) && reader.read("RTND", rows.triangle_nodes) &&
-                     reader.read("RTIE", rows.ties) && reader.read("RELM", rows.element_keys) &&
+                     reader.read("RTIE", rows.ties) && reader.read("RHOL", rows.hollow) &&
+                     reader.read("RELM", rows.element_keys) &&
                      reader.read("RWHL", rows.whole_elements) && reader.read("RVWS", rows.views) &&
                      reader.read("RGRD", grids) && reader.read("RLKS", rows.looks) && grids.size() <= 1 &&
                      reader.read("RRCV", rows.receivers) && names.size() == 2;
@@ -171,6 +173,7 @@ FileParts encode_rows(const RowsFile& rows, std::span<const std::span<const std:
   add("RTKY", rows.triangle_keys);
   add("RTND", rows.triangle_nodes);
   add("RTIE", rows.ties);
+  add("RHOL", rows.hollow);
   add("RELM", rows.element_keys);
   add("RWHL", rows.whole_elements);
   add("RVWS", rows.views, kSectionOptional);

@@ -24,7 +24,7 @@ namespace relume {
 
 /// What rays asked of the scene. Stored.
 struct RowsSettings {
-  std::uint32_t version = 2;  ///< of these sections, and of what they know of cells
+  std::uint32_t version = 3;  ///< of these sections, and of what they know of cells
   float offset = 0.0f;        ///< m, that rays are lifted by
   std::uint64_t seed = 0;
   double texel_size = 0.0, cluster_size = 0.0;  ///< m
@@ -92,7 +92,8 @@ struct RowsFile {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint64_t> triangle_keys;  ///< geometry_keys.h
   std::vector<std::uint32_t> triangle_nodes;
-  std::vector<std::uint8_t> ties;  ///< per triangle: RayCaster::ties
+  std::vector<std::uint8_t> ties;    ///< per triangle: RayCaster::ties
+  std::vector<std::uint8_t> hollow;  ///< per triangle: Geometry::hollow; empty where none is
   std::vector<std::uint64_t> element_keys;
   std::vector<std::uint8_t> whole_elements;  ///< per element: all of its light patches belong to it
   std::vector<std::uint64_t> views;          ///< answers about surroundings (views.h), ascending

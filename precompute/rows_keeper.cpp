@@ -101,7 +101,7 @@ FileParts RowsKeeper::finish(const PrecomputeReport& report) {
   for (const SceneNode& node : scene_.nodes) file.nodes.push_back(node.path);
   file.positions = geometry.positions, file.triangles = geometry.triangles;
   file.triangle_keys = std::move(triangle_keys_), file.triangle_nodes = geometry.node;
-  file.ties = caster_->ties();
+  file.ties = caster_->ties(), file.hollow.assign(geometry.hollow.begin(), geometry.hollow.end());
   file.element_keys = std::move(element_keys_), file.whole_elements = std::move(whole_);
   std::set_union(surfaces_->views.begin(), surfaces_->views.end(), patch_views_.begin(), patch_views_.end(),
                  std::back_inserter(file.views));

@@ -146,21 +146,24 @@ std::vector<std::uint8_t> SceneChange::known_ties(const Geometry& geometry) cons
   return known;
 }
 
-std::vector<bool> SceneChange::settled(const RayCaster& caster) const {
+std::vector<bool> SceneChange::settled(const Geometry& geometry, const RayCaster& caster) const {
   const auto flags = [](const std::vector<std::uint8_t>& ties, std::uint32_t t) {
     return !ties.empty() && ties[t] != 0;
   };
   std::vector<bool> settled(triangles_, false);
   for (std::uint32_t t = 0; t < new_triangles_.size(); ++t) {
     const std::uint32_t own = new_triangles_[t];
-    if (own != kNone) settled[own] = flags(old_.ties, t) == flags(caster.ties(), own);
+    if (own == kNone) continue;
+    const bool was_hollow = !old_.hollow.empty() && old_.hollow[t] != 0,
+               is_hollow = !geometry.hollow.empty() && geometry.hollow[own];
+    settled[own] = was_hollow == is_hollow && flags(old_.ties, t) == flags(caster.ties(), own);
   }
   return settled;
 }
 
 std::vector<Box> SceneChange::changed_boxes(const Geometry& geometry, const RayCaster& caster) const {
   std::vector<Box> boxes;
-  const std::vector<bool> same = settled(caster);
+  const std::vector<bool> same = settled(geometry, caster);
   for (const std::uint32_t t : new_triangles_) {
     if (t != kNone && !same[t]) boxes.push_back(box_of(geometry.positions, geometry.triangles[t]));
   }

@@ -38,9 +38,9 @@ class SceneChange {
   const std::optional<RayCaster>& removed() const { return removed_; }
   /// Of the triangles of this scene, as RayCaster::create takes them.
   std::vector<std::uint8_t> known_ties(const Geometry& geometry) const;
-  /// Per triangle of this scene: whether it is as it was, and hits as far away as those on it are settled as
-  /// before.
-  std::vector<bool> settled(const RayCaster& caster) const;
+  /// Per triangle of this scene: whether it is as it was, bounds a hollow or not as before, and hits as far
+  /// away as those on it are settled as before.
+  std::vector<bool> settled(const Geometry& geometry, const RayCaster& caster) const;
   /// Outside of these, rays of this scene meet what they met.
   std::vector<Box> changed_boxes(const Geometry& geometry, const RayCaster& caster) const;
   /// Of what was added, when something was.

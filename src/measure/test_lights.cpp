@@ -11,6 +11,7 @@
 #include "core/sky.h"
 #include "precompute/clearance.h"
 #include "precompute/direct_irradiance.h"
+#include "precompute/find_hollows.h"
 #include "precompute/geometry.h"
 #include "precompute/mutual_visibility.h"
 #include "precompute/ray_caster.h"
@@ -20,6 +21,8 @@ namespace relume {
 namespace {
 
 constexpr const char* kLampName = "test lamp";
+/// For a sensor that is in no solid.
+constexpr int kMostTries = 1000;
 
 /// Points of the scene's surfaces by area, always the same ones.
 class SurfaceDraw {
@@ -69,19 +72,36 @@ struct FreePlace {
   float radius = 0.0f;                   ///< m, to the nearest surface
 };
 
-/// Of all directions, the share that ends on the front of a surface.
-double enclosure(const Geometry& geometry, const RayCaster& caster, const glm::vec3& place) {
+/// Of all directions, the share in which a place (a normal lifts it off its surface) sees a triangle that
+/// `counts`, as it meets it.
+template <class Counts>
+double share_seen(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& place,
+                  Counts&& counts) {
   constexpr int kDirections = 64;
-  int fronts = 0;
+  int seen = 0;
   for (int i = 0; i < kDirections; ++i) {
     const double y = 1.0 - (2.0 * i + 1.0) / kDirections, around = 2.399963 * i;
     const glm::vec3 way(std::sqrt(1.0 - y * y) * std::cos(around), y,
                         std::sqrt(1.0 - y * y) * std::sin(around));
     std::uint32_t triangle = 0;
-    free_distance(geometry, caster, {place, glm::vec3(0.0f)}, way, triangle);
-    if (triangle != kNoTriangle && glm::dot(geometry.normals[triangle], way) < 0.0f) ++fronts;
+    free_distance(geometry, caster, place, way, triangle);
+    if (triangle != kNoTriangle) seen += counts(triangle, glm::dot(geometry.normals[triangle], way)) ? 1 : 0;
   }
-  return double(fronts) / kDirections;
+  return double(seen) / kDirections;
+}
+
+double enclosure(const Geometry& geometry, const RayCaster& caster, const glm::vec3& place) {
+  return share_seen(geometry, caster, {place, glm::vec3(0.0f)},
+                    [](std::uint32_t, float facing) { return facing < 0.0f; });
+}
+
+/// Whether a front sticks into a solid.
+bool in_a_hollow(const Geometry& geometry, const RayCaster& caster, const SurfacePoint& at) {
+  constexpr double kQuarter = 0.25;  // half of what is before it
+  if (geometry.hollow.empty()) return false;
+  return share_seen(geometry, caster, at, [&](std::uint32_t triangle, float facing) {
+           return facing >= 0.0f && geometry.hollow[triangle];
+         }) > kQuarter;
 }
 
 /// Over what faces up, where anything does, with something opposite that faces it. Of a few such places, one
@@ -153,9 +173,10 @@ Light light_at(const FreePlace& place, const glm::dvec3& origin, LightType type)
 
 Result<TestScene> test_scene(Scene scene, std::size_t sensors) {
   TestScene result;
-  const Geometry geometry = make_geometry(scene);
+  Geometry geometry = make_geometry(scene);
   const auto caster = make_caster(geometry);
   if (!caster) return tl::unexpected(caster.error());
+  if (may_have_hollows(geometry)) geometry.hollow = find_hollows(scene, geometry, *caster, {});
   SurfaceDraw draw(geometry);
   result.lights.push_back({"ambient", {}, 0.0, false, true});
   result.lights.push_back({"lamp", {}, 0.0, true, false});
@@ -167,7 +188,8 @@ Result<TestScene> test_scene(Scene scene, std::size_t sensors) {
                              double(place.radius)});
   }
   for (std::size_t i = 0; i < sensors; ++i) {
-    const SurfacePoint at = draw.next();
+    SurfacePoint at = draw.next();
+    for (int tries = 0; tries < kMostTries && in_a_hollow(geometry, *caster, at); ++tries) at = draw.next();
     result.sensors.push_back({std::to_string(i), geometry.origin + glm::dvec3(at.position), at.normal});
   }
   add_lamp(lamp, geometry.origin, scene);

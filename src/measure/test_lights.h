@@ -33,6 +33,7 @@ struct TestScene {
   Rgb lamp_exitance{0.0};           ///< lm/m2, while it shines
 };
 
+/// No sensor stands inside of a solid (find_hollows.h).
 Result<TestScene> test_scene(Scene scene, std::size_t sensors);
 
 /// A place for lamps in free space, inside a room where there is one.

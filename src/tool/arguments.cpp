@@ -152,6 +152,9 @@ class Parser {
         "--directional", options.directional,
         "Directional lightmaps: also keep where light comes from, 4 bytes more per form factor of "
         "lumels and sensors");
+    command.add_flag("--keep-hollows", options.keep_hollows,
+                     "Insides of solids count as surfaces: backs of double-sided materials where no light, "
+                     "camera, sensor or sky is; they are left out by default");
     add_number(command, "--max-albedo", options.max_albedo, kAlbedoOption,
                "Albedos above are clamped (default 0.95)");
     add_number(command, "--threads", options.threads, kCountOption, "Default: all");

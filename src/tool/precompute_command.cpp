@@ -53,6 +53,10 @@ void say_report(const PrecomputeArguments& arguments, const PrecomputeReport& re
         100.0 * report.projection->left));
   }
   if (arguments.update) say_update(report, console);
+  if (report.hollow_area > 0.0) {
+    console.say(
+        fmt::format("  {:.6g} m2 inside of solids left out (--keep-hollows keeps them)", report.hollow_area));
+  }
   if (report.invalid_lumels + report.split_lumels > 0) {
     console.say(fmt::format("  {} lumels inside geometry, {} split by a wall", report.invalid_lumels,
                             report.split_lumels));
@@ -81,6 +85,7 @@ JsonObject report_json(const PrecomputeArguments& arguments, const PrecomputeRep
                                {"changed_nodes", json_array(report.changed_nodes)},
                                {"invalid_lumels", report.invalid_lumels},
                                {"split_lumels", report.split_lumels},
+                               {"hollow_area", report.hollow_area},
                                {"estimated_error", JsonObject{{"clusters", report.error.clusters},
                                                               {"rays", report.error.rays},
                                                               {"cut", report.error.cut},

@@ -23,6 +23,7 @@ struct Room {
   std::optional<double> rug;  ///< x of one that lies in the plane of the floor
   bool post = false;          ///< one in the corner of the room, in its first lumel
   bool second_post = false;   ///< beside its diagonal neighbour's middle
+  std::optional<double> lid;  ///< height of that of a double-sided chest
   P lamp{2.0, 1.8, 1.0};
   Rgb wall{0.6}, shine{50.0};
 };
@@ -56,6 +57,20 @@ Scene scene_of(const Room& room) {
   }
   if (room.post) b.add_standing_box("post", wall, P(0.03, 0, 0.03), P(0.06, 1, 0.06));
   if (room.second_post) b.add_standing_box("post 2", wall, P(0.262, 0, 0.262), P(0.29, 1, 0.29));
+  if (room.lid) {
+    const auto sheet = b.material("chest", Rgb(0.5), Rgb(0.0), true);
+    const P low(0.15, 0.1, 0.2), high(0.85, 0.4, 0.7), up(0, *room.lid - 0.4, 0);
+    b.add_standing_box("lid", sheet, P(low.x, 0.4, low.z) + up, P(high.x, 0.45, high.z) + up);
+    b.add_quads(
+        "chest", sheet,
+        {{P(low.x, low.y, low.z), P(high.x, low.y, low.z), P(high.x, low.y, high.z), P(low.x, low.y, high.z)},
+         {P(low.x, low.y, low.z), P(low.x, low.y, high.z), P(low.x, high.y, high.z), P(low.x, high.y, low.z)},
+         {P(high.x, low.y, high.z), P(high.x, low.y, low.z), P(high.x, high.y, low.z),
+          P(high.x, high.y, high.z)},
+         {P(high.x, low.y, low.z), P(low.x, low.y, low.z), P(low.x, high.y, low.z), P(high.x, high.y, low.z)},
+         {P(low.x, low.y, high.z), P(high.x, low.y, high.z), P(high.x, high.y, high.z),
+          P(low.x, high.y, high.z)}});
+  }
   const P l = room.lamp;
   b.add_quad("lamp", lamp, {l, l + P(0.4, 0, 0), l + P(0.4, 0, 0.3), l + P(0, 0, 0.3)});
   return b.scene();
@@ -177,6 +192,19 @@ TEST(UpdateOf, PostsInTheCornerOfAFloorIsACleanBuild) {
   expect_clean(two, one, few_rays);
 }
 
+// What was inside of a solid is not any more, and the other way round, where nothing but the lid moved.
+TEST(UpdateOf, AChestThatOpensAndClosesIsACleanBuild) {
+  for (const bool shines : {true, false}) {
+    Room closed, open;
+    closed.lid = 0.4, open.lid = 0.7;
+    if (!shines) closed.shine = open.shine = Rgb(0.0);
+    const Built opened = expect_clean(closed, open, few_rays), shut = expect_clean(open, closed, few_rays);
+    EXPECT_EQ(opened.report.changed_nodes, std::vector<std::string>{"lid"});
+    EXPECT_EQ(opened.report.hollow_area, 0.0);
+    EXPECT_NEAR(shut.report.hollow_area, 2 * 0.7 * 0.5 + 2 * 0.35 * (0.7 + 0.5), 1e-3);
+  }
+}
+
 TEST(UpdateOf, ASceneThatTheRigLightsIsACleanBuild) {
   Room before, after;
   before.shine = after.shine = Rgb(0.0);
@@ -280,10 +308,10 @@ TEST(RowsFileOf, TornOrMutatedBytesIsRefused) {
 TEST(RowsFileOf, AFutureVersionOrAModelIsRefused) {
   const Built built = build(Room(), plain_options());
   RowsFile future = built.file();
-  future.settings.version = 3;
+  future.settings.version = 4;
   const auto refused = decode_rows(encode_rows(future), "r");
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().message, "r: section 'RINF': expected version 2 of the rows, found 3");
+  EXPECT_EQ(refused.error().message, "r: section 'RINF': expected version 3 of the rows, found 4");
   EXPECT_EQ(refused.error().code, ErrorCode::bad_input);
   EXPECT_FALSE(decode_rows(built.model, "r"));
   RowsFile short_of_rays = built.file();
