@@ -29,6 +29,8 @@ constexpr double kTolerance = 1e-5, kHalfTolerance = 5e-4;
 constexpr double kLargestRadiosity = 1e5;
 /// A time is the least of so many, one after the other.
 constexpr int kTries = 7;
+/// And takes no less than this, of one product so many times over if need be.
+constexpr double kLeastSeconds = 2e-3, kMostTimes = 256.0;
 
 /// Bytes a second that all cores read from an array far larger than the caches.
 double read_bandwidth() {
@@ -75,19 +77,25 @@ struct Candidate {
   std::vector<double> times{};
 };
 
+double seconds_taken(const SubmitTimes& times) {
+  return times.gpu_seconds > 0.0 ? times.gpu_seconds : times.seconds;
+}
+
 /// The gather product on the device: imports and rows. What else its pass does is timed apart and taken off.
 Result<double> device_seconds(SolverSession& session) {
+  const auto once = session.run({.gather = true});
+  if (!once) return tl::unexpected(once.error());
+  const auto times = std::uint32_t(std::clamp(kLeastSeconds / seconds_taken(*once), 1.0, kMostTimes));
   double least_with = std::numeric_limits<double>::infinity(), least_without = least_with;
   for (int i = 0; i < kTries; ++i) {
-    const auto with = session.run({.gather = true});
+    const auto with = session.run({.gather = true}, times);
     if (!with) return tl::unexpected(with.error());
-    const auto without = session.run({});
+    const auto without = session.run({}, times);
     if (!without) return tl::unexpected(without.error());
-    const bool clock = with->gpu_seconds > 0.0;
-    least_with = std::min(least_with, clock ? with->gpu_seconds : with->seconds);
-    least_without = std::min(least_without, clock ? without->gpu_seconds : without->seconds);
+    least_with = std::min(least_with, seconds_taken(*with));
+    least_without = std::min(least_without, seconds_taken(*without));
   }
-  return std::max(least_with - least_without, 1e-9);
+  return std::max(least_with - least_without, 1e-9) / times;
 }
 
 Result<Candidate> device_candidate(StandaloneDevice& device, const Model& stored, const Lighting& lighting,

@@ -41,7 +41,7 @@ struct RowKernelChoice {
 inline constexpr std::uint32_t kMaxLightings = 4;
 
 struct SolverOptions {
-  /// Nothing: tile_shuffle where the device can, else tile_shared. KernelTrials finds the fastest.
+  /// Nothing: as default_tile_kernel (compute/row_kernels.h) says. KernelTrials finds the fastest.
   std::optional<RowKernel> kernel{};
   /// No dispatch has more, unless a single row has: about 10 ms on two cores of a processor. A form factor
   /// counts once for each lighting.

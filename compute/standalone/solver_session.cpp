@@ -160,21 +160,24 @@ Result<void> SolverSession::correct_by(const Model& model, const RoomWeights& we
   return {};
 }
 
-Result<SubmitTimes> SolverSession::run(PassWishes wishes) {
+Result<SubmitTimes> SolverSession::run(PassWishes wishes, std::uint32_t times) {
   wishes.max_form_factors = limits_.max_submit_form_factors;
   SubmitTimes sum;
   for (bool complete = false; !complete;) {
     FramePlan plan = solver_.plan(schedule_, wishes);
     Result<void> recorded;
-    auto times = device_->submit(
-        [&](VkCommandBuffer commands) { recorded = solver_.record_frame(commands, {.plan = &plan}, {}); },
+    auto taken = device_->submit(
+        [&](VkCommandBuffer commands) {
+          for (std::uint32_t i = 0; i < times && recorded; ++i)
+            recorded = solver_.record_frame(commands, {.plan = &plan}, {});
+        },
         limits_.timeout_seconds);
     if (!recorded) return tl::unexpected<Error>(recorded.error());
-    if (!times) {
-      solver_.latch(times.error());
-      return times;
+    if (!taken) {
+      solver_.latch(taken.error());
+      return taken;
     }
-    sum += *times;
+    sum += *taken;
     complete = plan.pass_complete;
     schedule_ = std::move(plan.next);
   }
