@@ -19,8 +19,7 @@
 namespace relume::bench {
 namespace {
 
-constexpr const char* kName = "bounds";
-constexpr std::size_t kSensors = 16;  // of the test lights; rows of theirs are compared as well
+constexpr std::size_t kFewSensors = 16;  // of the test lights; rows of theirs are compared as well
 /// What storing full rows in f32, and iterating, may be off by: of the value, and of the largest.
 constexpr double kOfValue = 1e-5, kOfLargest = 1e-6;
 
@@ -137,7 +136,7 @@ Result<Pair> pair_up(const Model& cut, const Model& full) {
 Measurements bounds(const BenchmarkOptions& options) {
   auto scene = benchmark_scene(options);
   if (!scene) return tl::unexpected(scene.error());
-  const auto test = test_scene(std::move(*scene), kSensors);
+  const auto test = test_scene(std::move(*scene), kFewSensors);
   if (!test) return tl::unexpected(test.error());
   PrecomputeOptions chosen;
   chosen.error = options.error;
@@ -153,7 +152,7 @@ Measurements bounds(const BenchmarkOptions& options) {
   const auto pair = pair_up(*cut, *full);
   if (!pair) return tl::unexpected(pair.error());
   std::vector<Measurement> result{
-      {kName, "bytes of halvings over those of all matrices", "", {halvings_share(*cut)}}};
+      {"bytes of halvings over those of all matrices", "", {halvings_share(*cut)}}};
   for (const TestLight& light : test->lights) {
     const auto found = keep(*pair, light);
     if (!found) return tl::unexpected(found.error());
@@ -161,10 +160,10 @@ Measurements bounds(const BenchmarkOptions& options) {
       return fail(ErrorCode::check_failed, fmt::format("{}: {:.3g} % of the rows lie outside of the bracket",
                                                        light.name, 100.0 * found->outside));
     }
-    result.push_back({kName, light.name + ": median width", "", {found->width}});
-    result.push_back({kName, light.name + ": median width without halvings", "", {found->untold}});
-    result.push_back({kName, light.name + ": error", "", {found->off}});
-    result.push_back({kName, light.name + ": certificate over error", "", {found->certificate}});
+    result.push_back({light.name + ": median width", "", {found->width}});
+    result.push_back({light.name + ": median width without halvings", "", {found->untold}});
+    result.push_back({light.name + ": error", "", {found->off}});
+    result.push_back({light.name + ": certificate over error", "", {found->certificate}});
   }
   return result;
 }

@@ -9,7 +9,6 @@
 namespace relume::bench {
 namespace {
 
-constexpr const char* kName = "error";
 constexpr std::size_t kSensors = 2000;
 
 struct Subject {
@@ -54,7 +53,7 @@ void report_subject(const RoomTruth& truth, const Subject& subject, const Solved
     columns += system.imports.size();
   }
   const auto add = [&](const char* what, const char* unit, std::vector<double> values) {
-    result.push_back({kName, fmt::format("{}: {}", subject.name, what), unit, std::move(values)});
+    result.push_back({fmt::format("{}: {}", subject.name, what), unit, std::move(values)});
   };
   add("measured, five lights", "", worst_errors(truth, solved.values));
   add("  in rooms with a hundredth of the light", "", worst_errors(truth, solved.values, 0.01));
@@ -111,9 +110,9 @@ Measurements error(const BenchmarkOptions& options) {
   const auto truth = trace_truth(*test, dense->model);
   if (!truth) return tl::unexpected(truth.error());
   std::vector<Measurement> result{
-      {kName, "noise of the paths, five lights", "", worst_noise(*truth)},
-      {kName, "clusters of a dense model", "", {double(cluster_offsets(dense->model).back())}},
-      {kName, "dense model: measured, five lights", "", worst_errors(*truth, dense->values)}};
+      {"noise of the paths, five lights", "", worst_noise(*truth)},
+      {"clusters of a dense model", "", {double(cluster_offsets(dense->model).back())}},
+      {"dense model: measured, five lights", "", worst_errors(*truth, dense->values)}};
   fmt::print(stderr, "{}: {}\n", result[2].name, fmt::join(result[2].values, " "));
   for (const Subject& subject : subjects(options)) {
     PrecomputeOptions chosen = base;

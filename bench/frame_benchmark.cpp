@@ -17,11 +17,8 @@
 namespace relume::bench {
 namespace {
 
-constexpr const char* kName = "frame";
-constexpr std::uint32_t kMostBounces = 2;
 constexpr double kManyClusters = 100e3;
 constexpr std::uint32_t kManyClustersQuality = 8;  ///< their rows do not matter
-constexpr double kMilli = 1e3;
 
 /// A series of values for each stage of a frame.
 class StageTimes {
@@ -38,7 +35,7 @@ class StageTimes {
     constexpr const char* kStages[] = {"host clock", "device", "inputs",   "direct light",
                                        "bounces",    "gather", "lightmaps"};
     for (std::size_t i = 0; i < std::size(kStages); ++i)
-      out.push_back({kName, fmt::format("{}, {}", name_, kStages[i]), "ms", values_[i]});
+      out.push_back({fmt::format("{}, {}", name_, kStages[i]), "ms", values_[i]});
   }
 
  private:
@@ -46,7 +43,7 @@ class StageTimes {
   std::vector<double> values_[7];
 };
 
-struct Bench {
+struct FrameBench {
   const BenchmarkOptions& options;
   StandaloneDevice& device;
   const Model& model;
@@ -56,7 +53,7 @@ struct Bench {
   std::vector<Measurement> out{};
 
   void add(const std::string& name, const char* unit, std::vector<double> values) {
-    out.push_back({kName, name, unit, std::move(values)});
+    out.push_back({name, unit, std::move(values)});
   }
 };
 
@@ -72,7 +69,7 @@ std::vector<kernels::MaterialState> scaled(std::size_t count, double factor) {
 }
 
 /// A lamp moves and all materials change, in every frame; one bounce and two in turns.
-Result<void> measure_stages(Bench& bench, FrameSession& session) {
+Result<void> measure_stages(FrameBench& bench, FrameSession& session) {
   std::vector<StageTimes> times;
   for (std::uint32_t k = 1; k <= kMostBounces; ++k) times.emplace_back(fmt::format("k = {}", k));
   for (std::uint32_t r = 0; r < bench.options.repetitions; ++r) {
@@ -95,7 +92,7 @@ std::vector<Light> circle_of_lamps(const LampPlace& place) {
 }
 
 /// What direct light takes when nothing, one, or all of 8 lamps have moved since the last frame.
-Result<void> measure_moved_lights(Bench& bench, FrameSession& session, const std::string& rays_of) {
+Result<void> measure_moved_lights(FrameBench& bench, FrameSession& session, const std::string& rays_of) {
   std::vector<Light> lamps = circle_of_lamps(bench.place);
   if (auto all = session.frame({.lights = lamps}); !all) return tl::unexpected(all.error());
   for (const std::size_t moved : {std::size_t{0}, std::size_t{1}, lamps.size()}) {
@@ -117,7 +114,7 @@ Result<void> measure_moved_lights(Bench& bench, FrameSession& session, const std
 }
 
 /// The same with few shadow rays, and what that changes of the indirect irradiance that lamps bring.
-Result<void> measure_few_rays(Bench& bench, FrameSession& session) {
+Result<void> measure_few_rays(FrameBench& bench, FrameSession& session) {
   constexpr double kFew = 2.0;
   constexpr std::uint32_t kConverged = 40;
   FrameSessionOptions options = frame_options(bench.device, bench.model);
@@ -147,7 +144,7 @@ Result<void> measure_few_rays(Bench& bench, FrameSession& session) {
 }
 
 /// From the file to the first lightmaps: all that a program does that has a device.
-Result<void> measure_first_frame(Bench& bench) {
+Result<void> measure_first_frame(FrameBench& bench) {
   const auto file =
       std::filesystem::temp_directory_path() / ("relume-bench-" + std::to_string(getpid()) + ".relume");
   if (auto written = write_model(bench.model, file); !written) return written;
@@ -201,13 +198,13 @@ Result<void> check_albedo(FrameSession& session, const Lighting& stored, double 
   for (std::size_t i = 0; i < found->size(); ++i) {
     const Rgb expected = glm::min(factor * stored.albedo[i], Rgb(MaterialPassOptions{}.max_albedo));
     if (!(glm::length((*found)[i] - expected) <= 1e-5))
-      return fail(ErrorCode::check_failed, fmt::format("{}: the albedo of cluster {} is wrong", kName, i));
+      return fail(ErrorCode::check_failed, fmt::format("the albedo of cluster {} is wrong", i));
   }
   return {};
 }
 
 /// The stage of inputs of frames in which the albedo of every cluster changes, by material or one by one.
-Result<void> measure_albedos(Bench& bench, const Scene& scene) {
+Result<void> measure_albedos(FrameBench& bench, const Scene& scene) {
   const auto model = many_clusters(scene);
   if (!model) return tl::unexpected(model.error());
   const Lighting stored = stored_lighting(*model);
@@ -237,7 +234,7 @@ Result<void> measure_albedos(Bench& bench, const Scene& scene) {
   return {};
 }
 
-Result<void> measure(Bench& bench, const Scene& scene) {
+Result<void> measure(FrameBench& bench, const Scene& scene) {
   auto session = FrameSession::create(bench.device, bench.model, frame_options(bench.device, bench.model));
   if (!session) return tl::unexpected(session.error());
   std::size_t clusters = 0, lumels = 0;
@@ -266,7 +263,7 @@ Measurements frame(const BenchmarkOptions& options) {
   if (!model) return tl::unexpected(model.error());
   auto device = StandaloneDevice::create({});
   if (!device) return tl::unexpected(device.error());
-  Bench bench{options, *device, *model, *place, model->lights, stored_lighting(*model)};
+  FrameBench bench{options, *device, *model, *place, model->lights, stored_lighting(*model)};
   bench.lights.push_back(lamp_at(*place, 0.0));
   bench.lighting.sky_radiosity =
       sky_radiosity(model->sky_radiance.value_or(Rgb(0.0)), model->sky_cells, model->sky_resolution);

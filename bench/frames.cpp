@@ -15,7 +15,6 @@
 namespace relume::bench {
 namespace {
 
-constexpr std::uint32_t kBouncesToTheEnd = 150;
 constexpr double kAllowed = 1e-3;
 constexpr double kLargestHalf = 65504.0;  ///< more light than that a lightmap does not show
 

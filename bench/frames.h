@@ -13,6 +13,8 @@
 
 namespace relume::bench {
 
+inline constexpr std::uint32_t kMostBounces = 2, kBouncesToTheEnd = 150;  ///< of a frame
+
 /// The row kernel that a program takes without measuring.
 FrameSessionOptions frame_options(const StandaloneDevice& device, const Model& model);
 

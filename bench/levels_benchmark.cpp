@@ -14,8 +14,7 @@
 namespace relume::bench {
 namespace {
 
-constexpr const char* kName = "levels";
-constexpr double kTolerance = 1e-3;
+constexpr double kLevelTolerance = 1e-3;
 constexpr std::uint32_t kMaxProducts = 4000;
 
 /// The stored lighting with every albedo nearer to 1, so that their mean by area is `mean` in green; lamps
@@ -56,7 +55,7 @@ double worst_room(const Rooms& rooms, const std::vector<double>& areas, const st
   return worst;
 }
 
-struct Bench {
+struct LevelsBench {
   StandaloneDevice device;
   Model model;
   std::vector<double> areas;
@@ -67,8 +66,9 @@ struct Bench {
 };
 
 /// Products until the worst room is within the tolerance of the answer; `most` where they do not do.
-Result<std::uint32_t> products_to_answer(Bench& bench, const DeviceMethod& method, const Lighting& lighting,
-                                         const std::vector<Rgb>& answer, std::uint32_t most) {
+Result<std::uint32_t> products_to_answer(LevelsBench& bench, const DeviceMethod& method,
+                                         const Lighting& lighting, const std::vector<Rgb>& answer,
+                                         std::uint32_t most) {
   std::uint32_t least = 1;
   while (least < most) {
     const std::uint32_t middle = (least + most) / 2;
@@ -76,13 +76,14 @@ Result<std::uint32_t> products_to_answer(Bench& bench, const DeviceMethod& metho
     options.choose_method = [&](double) { return method; };
     const auto found = solve_on_device(bench.device, bench.model, lighting, {middle, 0.0}, options);
     if (!found) return tl::unexpected(found.error());
-    const bool enough = worst_room(bench.rooms, bench.areas, found->solution.radiosity, answer) <= kTolerance;
+    const bool enough =
+        worst_room(bench.rooms, bench.areas, found->solution.radiosity, answer) <= kLevelTolerance;
     (enough ? most : least) = enough ? middle : middle + 1;
   }
   return most;
 }
 
-Result<void> measure(Bench& bench, double albedo, std::vector<Measurement>& result) {
+Result<void> measure(LevelsBench& bench, double albedo, std::vector<Measurement>& result) {
   const Lighting lighting = raised(bench.model, bench.areas, albedo);
   const auto problem = make_bounce_problem(bench.matrix, lighting, bench.areas);
   if (!problem) return tl::unexpected(problem.error());
@@ -92,17 +93,17 @@ Result<void> measure(Bench& bench, double albedo, std::vector<Measurement>& resu
     DeviceSolveOptions options;
     options.choose_method = [&](double) { return method; };
     const auto found =
-        solve_on_device(bench.device, bench.model, lighting, {kMaxProducts, kTolerance}, options);
+        solve_on_device(bench.device, bench.model, lighting, {kMaxProducts, kLevelTolerance}, options);
     if (!found) return tl::unexpected(found.error());
     const std::string name = fmt::format("albedo {}, {}", albedo, method_names()[std::size_t(method.method)]);
     const double error = worst_room(bench.rooms, bench.areas, found->solution.radiosity, answer->radiosity);
-    result.push_back({kName, name, "products", {double(found->solution.bounces)}});
-    result.push_back({kName, name + ", host clock", "ms", {1e3 * found->seconds.bounces}});
-    result.push_back({kName, name + ", worst room", "", {error}});
+    result.push_back({name, "products", {double(found->solution.bounces)}});
+    result.push_back({name + ", host clock", "ms", {1e3 * found->seconds.bounces}});
+    result.push_back({name + ", worst room", "", {error}});
     const auto few = products_to_answer(bench, method, lighting, answer->radiosity, found->solution.bounces);
     if (!few) return tl::unexpected(few.error());
-    result.push_back({kName, name + ", to 0.1 % of each room", "products", {double(*few)}});
-    if (!found->solution.fallback.empty()) result.push_back({kName, name + " gave up", "", {1.0}});
+    result.push_back({name + ", to 0.1 % of each room", "products", {double(*few)}});
+    if (!found->solution.fallback.empty()) result.push_back({name + " gave up", "", {1.0}});
   }
   return {};
 }
@@ -125,8 +126,8 @@ Measurements levels(const BenchmarkOptions& options) {
       {Method::two_level, room_weights(matrix, areas, largest_rooms(rooms, areas, kMaxDeviceRooms))},
       {Method::bicgstab},
       {Method::two_level_gmres, {}, levels}};
-  Bench bench{std::move(*device), std::move(*model), areas, std::move(matrix), rooms, levels, methods};
-  std::vector<Measurement> result{{kName, "rooms", "", {double(rooms.count)}}};
+  LevelsBench bench{std::move(*device), std::move(*model), areas, std::move(matrix), rooms, levels, methods};
+  std::vector<Measurement> result{{"rooms", "", {double(rooms.count)}}};
   for (const double albedo : {0.5, 0.8, 0.95, 0.99}) {
     if (auto measured = measure(bench, albedo, result); !measured) return tl::unexpected(measured.error());
   }

@@ -15,10 +15,9 @@
 namespace relume::bench {
 namespace {
 
-constexpr const char* kName = "lightings";
 constexpr std::array<std::uint32_t, 3> kCounts{1, 2, 4};
 /// A time is the least of so many, one after the other.
-constexpr int kTries = 5;
+constexpr int kTriesTogether = 5;
 
 /// A solver of so many lightings.
 struct Candidate {
@@ -58,7 +57,7 @@ Result<void> check(Candidate& alone, Candidate& many, const Lighting& base) {
 
 Result<double> least_seconds(SolverSession& session, const PassWishes& wishes) {
   double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kTries; ++i) {
+  for (int i = 0; i < kTriesTogether; ++i) {
     const auto times = session.run(wishes);
     if (!times) return tl::unexpected(times.error());
     least = std::min(least, times->gpu_seconds > 0.0 ? times->gpu_seconds : times->seconds);
@@ -99,7 +98,7 @@ Result<std::deque<Candidate>> make_candidates(StandaloneDevice& device, const Mo
 void report(const std::string& name, const Candidate& alone, const Candidate& many,
             std::vector<double> Candidate::*times, std::vector<Measurement>& result) {
   const std::string label = fmt::format("{}, {} at once", name, many.lightings);
-  Measurement milliseconds{kName, label, "ms/lighting", {}}, ratio{kName, label + " / alone", "x", {}};
+  Measurement milliseconds{label, "ms/lighting", {}}, ratio{label + " / alone", "x", {}};
   for (std::size_t r = 0; r < (many.*times).size(); ++r) {
     const double seconds = (many.*times)[r] / many.lightings;
     milliseconds.values.push_back(1e3 * seconds);

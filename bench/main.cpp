@@ -35,6 +35,7 @@ Measurements run_benchmark(const Benchmark& benchmark, const Arguments& argument
     auto measured = benchmark.run(options);
     if (!measured) return measured;
     for (Measurement& one : *measured) {
+      one.benchmark = benchmark.name;
       if (arguments.scenes.size() > 1) one.name = scene.stem().string() + ": " + one.name;
       all.push_back(std::move(one));
     }
@@ -49,7 +50,7 @@ int run_benchmarks(const Arguments& arguments) {
     if (!std::regex_search(benchmark.name, wanted)) continue;
     const auto measured = run_benchmark(benchmark, arguments);
     if (!measured) {
-      fmt::print(stderr, "relume-bench: {}\n", measured.error().message);
+      fmt::print(stderr, "relume-bench: {}: {}\n", benchmark.name, measured.error().message);
       return static_cast<int>(measured.error().code);
     }
     all.insert(all.end(), measured->begin(), measured->end());

@@ -11,11 +11,13 @@
 
 namespace relume::bench {
 
+inline constexpr double kMilli = 1e3;
+
 struct Measurement {
-  std::string benchmark;
   std::string name;
   std::string unit;
   std::vector<double> values;  ///< one per repetition; a single one for facts
+  std::string benchmark{};     ///< who runs it says which
 };
 
 /// Median, smallest and largest of each, aligned for a reader.

@@ -12,8 +12,6 @@
 namespace relume::bench {
 namespace {
 
-constexpr const char* kName = "precompute_vs_embree";
-
 /// A way to trace the same rays with Embree alone.
 struct BareWay {
   RayOrder order;
@@ -72,21 +70,19 @@ constexpr double kMissedThroughEdges = 1e-6;
 Result<void> check_answers(const BareRun& bare, const PrecomputeReport& report, const Model& model,
                            bool surveyed) {
   if (surveyed ? report.rays <= bare.rays : report.rays != bare.rays) {
-    return fail(ErrorCode::check_failed, fmt::format("{}: the precompute traced {} rays, bare Embree {}",
-                                                     kName, report.rays, bare.rays));
+    return fail(ErrorCode::check_failed,
+                fmt::format("the precompute traced {} rays, bare Embree {}", report.rays, bare.rays));
   }
   for (std::size_t w = 0; w < kWays.size(); ++w) {
     const double missed = std::abs(double(bare.hits[w]) - double(bare.hits[0]));
     if (bare.hits[w] > 0 && missed <= kMissedThroughEdges * double(bare.hits[0])) continue;
-    return fail(ErrorCode::check_failed,
-                fmt::format("{}: {} rays met something one by one, {} in packets of {}", kName, bare.hits[0],
-                            bare.hits[w], kWays[w].width));
+    return fail(ErrorCode::check_failed, fmt::format("{} rays met something one by one, {} in packets of {}",
+                                                     bare.hits[0], bare.hits[w], kWays[w].width));
   }
   std::size_t lumels = 0;
   for (const System& system : model.systems) lumels += system.lumels.size();
   if (lumels >= 10000) return {};
-  return fail(ErrorCode::check_failed,
-              fmt::format("{}: expected 10000 lumels or more, found {}", kName, lumels));
+  return fail(ErrorCode::check_failed, fmt::format("expected 10000 lumels or more, found {}", lumels));
 }
 
 struct Times {
@@ -135,7 +131,7 @@ std::vector<Measurement> report_times(const Scene& scene, const Times& times) {
   const Samples& grouped = quickest(std::span(times.embree).subspan(kSequenceWays));
   std::vector<Measurement> result;
   const auto add = [&](const std::string& name, const std::string& unit, std::vector<double> values) {
-    result.push_back({kName, name, unit, std::move(values)});
+    result.push_back({name, unit, std::move(values)});
   };
   add("triangles", "", {double(scene.triangles.size())});
   add("closest-hit rays", "", {double(times.rays)});

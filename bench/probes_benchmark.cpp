@@ -18,7 +18,6 @@
 namespace relume::bench {
 namespace {
 
-constexpr const char* kName = "probes";
 constexpr std::size_t kPoints = 1000;
 constexpr double kClusters = 4000.0;
 /// Points keep off surfaces by so much of the scene's shortest edge.
@@ -242,17 +241,17 @@ void report_shares(const std::vector<std::string>& lights, const Score& placed,
     const double share = double(placed.probes) / needed.value_or(double(most->probes));
     const std::string name =
         fmt::format("{}: share of the probes of a grid as good{}", lights[l], needed ? "" : ", at most");
-    out.push_back({kName, name, "", {share}});
+    out.push_back({name, "", {share}});
     fmt::print(stderr, "{} {:.2f}\n", name, share);
   }
 }
 
 void report_score(const std::string& name, const Score& score, std::vector<Measurement>& out) {
-  out.push_back({kName, name + ": probes", "", {double(score.probes)}});
-  out.push_back({kName, name + ": error", "", {score.error}});
-  out.push_back({kName, name + ": error of each light", "", score.of_light});
-  out.push_back({kName, name + ": error, of all light", "", {score.of_all}});
-  if (score.missed > 0.0) out.push_back({kName, name + ": points without a probe", "", {score.missed}});
+  out.push_back({name + ": probes", "", {double(score.probes)}});
+  out.push_back({name + ": error", "", {score.error}});
+  out.push_back({name + ": error of each light", "", score.of_light});
+  out.push_back({name + ": error, of all light", "", {score.of_all}});
+  if (score.missed > 0.0) out.push_back({name + ": points without a probe", "", {score.missed}});
   fmt::print(stderr, "{}: {} probes, error {:.3f} ({:.3f}), of all light {:.3f}, {:.3f} missed\n", name,
              score.probes, score.error, fmt::join(score.of_light, " "), score.of_all, score.missed);
 }
@@ -278,7 +277,7 @@ Measurements probes(const BenchmarkOptions& options) {
   const auto exact = exact_values(*test, base, *points);
   if (!exact) return tl::unexpected(exact.error());
 
-  std::vector<Measurement> out{{kName, "free points", "", {double(points->size())}}};
+  std::vector<Measurement> out{{"free points", "", {double(points->size())}}};
   PrecomputeOptions chosen = base;
   chosen.auto_probes = true;
   const auto placed = score(*test, chosen, *points, *exact);

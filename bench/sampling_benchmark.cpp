@@ -15,7 +15,6 @@
 namespace relume::bench {
 namespace {
 
-constexpr const char* kName = "sampling";
 constexpr double kClusterSize = 0.5, kTexelSize = 0.1;
 constexpr std::uint32_t kReceivers = 48, kSkyResolution = 8;
 constexpr std::uint32_t kTruthRays = 1u << 17, kTruthSeed = 1000;
@@ -204,8 +203,8 @@ Result<void> check_answers(SamplingScene& scene, const SobolPoints& truth_points
   const double expected = 1.0 / std::sqrt(kTruthRays * squared_distance(ours, Row(ours.size(), 0.0)));
   if (error < 2.0 * expected) return {};
   return fail(ErrorCode::check_failed,
-              fmt::format("{}: expected rows of {} random rays within {} of ours, found {}", kName,
-                          kTruthRays, 2.0 * expected, error));
+              fmt::format("expected rows of {} random rays within {} of ours, found {}", kTruthRays,
+                          2.0 * expected, error));
 }
 
 }  // namespace
@@ -237,15 +236,15 @@ Measurements sampling(const BenchmarkOptions& options) {
   const RayRates rates = measure_rates(scene, options.repetitions);
   std::vector<double> seconds;
   for (const double ratio : ratios) seconds.push_back(ratio * median(rates.ours) / median(rates.random));
-  std::vector<Measurement> result{{kName, "receivers", "", {double(scene.receivers.size())}}};
+  std::vector<Measurement> result{{"receivers", "", {double(scene.receivers.size())}}};
   for (std::size_t k = 0; k < ours.size(); ++k) {
-    result.push_back({kName, fmt::format("row error, our {} rays", kFewest << k), "", ours[k]});
-    result.push_back({kName, fmt::format("row error, random {} rays", kFewest << k), "", random[k]});
+    result.push_back({fmt::format("row error, our {} rays", kFewest << k), "", ours[k]});
+    result.push_back({fmt::format("row error, random {} rays", kFewest << k), "", random[k]});
   }
-  result.push_back({kName, "random rays for our error at 1024 / 1024", "", ratios});
-  result.push_back({kName, "our rays, one thread", "rays/s", rates.ours});
-  result.push_back({kName, "random rays, one thread", "rays/s", rates.random});
-  result.push_back({kName, "seconds of random rays / ours, equal row error", "", seconds});
+  result.push_back({"random rays for our error at 1024 / 1024", "", ratios});
+  result.push_back({"our rays, one thread", "rays/s", rates.ours});
+  result.push_back({"random rays, one thread", "rays/s", rates.random});
+  result.push_back({"seconds of random rays / ours, equal row error", "", seconds});
   return result;
 }
 

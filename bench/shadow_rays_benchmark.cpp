@@ -18,7 +18,6 @@
 namespace relume::bench {
 namespace {
 
-constexpr const char* kName = "shadow_rays";
 constexpr std::uint32_t kQuality = 8;  ///< rows do not matter here
 constexpr std::size_t kMostRays = 1u << 20;
 
@@ -99,10 +98,10 @@ Result<std::size_t> check_answers(const std::vector<float>& found, const std::ve
   }
   if (differ * 1000 <= found.size()) return differ;
   return fail(ErrorCode::check_failed,
-              fmt::format("{}: {} of {} rays differ from Embree's", kName, differ, found.size()));
+              fmt::format("{} of {} rays differ from Embree's", differ, found.size()));
 }
 
-struct Bench {
+struct ShadowBench {
   const Model& model;
   const RayCaster& caster;
   LightSession session;
@@ -110,14 +109,14 @@ struct Bench {
   std::vector<Measurement> out{};
 
   void add(const std::string& name, const char* unit, std::vector<double> values) {
-    out.push_back({kName, name, unit, std::move(values)});
+    out.push_back({name, unit, std::move(values)});
   }
 };
 
 /// The walk and Embree turn about.
-Result<void> measure_rays(Bench& bench) {
+Result<void> measure_rays(ShadowBench& bench) {
   const std::vector<LightSegment> rays = rays_to(bench.model, lamps(bench.model, 16, 0.0));
-  if (rays.empty()) return fail(ErrorCode::check_failed, fmt::format("{}: no rays", kName));
+  if (rays.empty()) return fail(ErrorCode::check_failed, "no rays");
   std::vector<double> walk, single, packets, ratio;
   for (std::uint32_t r = 0; r <= bench.repetitions; ++r) {
     SubmitTimes times;
@@ -145,7 +144,7 @@ Result<void> measure_rays(Bench& bench) {
 }
 
 /// All lights at once, then one of them moved; nothing where they reach more than any device can bind.
-Result<void> measure_lights(Bench& bench, std::size_t count, double range) {
+Result<void> measure_lights(ShadowBench& bench, std::size_t count, double range) {
   std::vector<Light> lights = lamps(bench.model, count, range);
   std::vector<double> all, moved, colour;
   std::uint64_t rays = 0, moved_rays = 0;
@@ -178,7 +177,7 @@ Result<void> measure_lights(Bench& bench, std::size_t count, double range) {
 
 /// What a dispatch takes at most: submissions of one dispatch, of lamps from far off a surface to nearly on
 /// it, where few patches are cut often.
-Result<void> measure_dispatches(StandaloneDevice& device, Bench& bench) {
+Result<void> measure_dispatches(StandaloneDevice& device, ShadowBench& bench) {
   LightSessionOptions options;
   options.max_submit_rays = options.light.max_dispatch_rays;
   auto session = LightSession::create(device, bench.model, options);
@@ -200,7 +199,7 @@ Result<void> measure_dispatches(StandaloneDevice& device, Bench& bench) {
   return {};
 }
 
-Result<void> measure(Bench& bench) {
+Result<void> measure(ShadowBench& bench) {
   if (auto done = measure_rays(bench); !done) return done;
   double area = 0.0;
   for (const System& system : bench.model.systems) {
@@ -232,7 +231,7 @@ Measurements shadow_rays(const BenchmarkOptions& asked) {
   light.light.max_pairs = 1u << 20;
   auto session = LightSession::create(*device, *model, light);
   if (!session) return tl::unexpected(session.error());
-  Bench bench{*model, *caster, std::move(*session), options.repetitions};
+  ShadowBench bench{*model, *caster, std::move(*session), options.repetitions};
   bench.add("triangles", "", {double(occluders.triangles.size())});
   if (auto done = measure_dispatches(*device, bench); !done) return tl::unexpected(done.error());
   if (auto done = measure(bench); !done) return tl::unexpected(done.error());

@@ -22,7 +22,6 @@
 namespace relume::bench {
 namespace {
 
-constexpr const char* kName = "solve";
 /// Of irradiance, relative: sums of 32-bit numbers, and of halves, which are rounded by 2^-11.
 constexpr double kTolerance = 1e-5, kHalfTolerance = 5e-4;
 /// lm/m2: all light of the products that are timed.
@@ -201,7 +200,7 @@ Result<Model> make_model(const BenchmarkOptions& options) {
 
 /// How many times as long `slow` takes as `fast`, in each repetition.
 Measurement ratio(const std::string& name, const Candidate& slow, const Candidate& fast) {
-  Measurement measured{kName, name, "x", {}};
+  Measurement measured{name, "x", {}};
   for (std::size_t r = 0; r < slow.times.size(); ++r)
     measured.values.push_back(slow.times[r] / fast.times[r]);
   return measured;
@@ -235,8 +234,7 @@ Result<void> add_tuned(StandaloneDevice& device, std::vector<Measurement>& resul
     const auto times = time_row_kernels(device, codec);
     if (!times) return tl::unexpected(times.error());
     const RowKernelTime& best = times->front();
-    result.push_back({kName,
-                      "tuner: " + name_of({best.choice.kernel, best.choice.fetch, codec, 8}),
+    result.push_back({"tuner: " + name_of({best.choice.kernel, best.choice.fetch, codec, 8}),
                       "s/product",
                       {best.seconds}});
   }
@@ -277,10 +275,10 @@ Measurements solve(const BenchmarkOptions& options) {
   }
   double nonzeros = 0.0;
   for (const EigenMatrix& matrix : products.matrices) nonzeros += double(matrix.nonZeros());
-  std::vector<Measurement> result{{kName, "read bandwidth, all cores", "bytes/s", bandwidth},
-                                  {kName, "form factors of the gather", "", {nonzeros}}};
+  std::vector<Measurement> result{{"read bandwidth, all cores", "bytes/s", bandwidth},
+                                  {"form factors of the gather", "", {nonzeros}}};
   for (const Candidate& candidate : candidates)
-    result.push_back({kName, candidate.name, "s/product", candidate.times});
+    result.push_back({candidate.name, "s/product", candidate.times});
   add_ratios(candidates, result);
   if (device) {
     if (auto tuned = add_tuned(*device, result); !tuned) return tl::unexpected(tuned.error());

@@ -16,13 +16,9 @@
 namespace relume::bench {
 namespace {
 
-constexpr const char* kName = "tracking";
 constexpr std::uint32_t kFrames = 240;  ///< once around
-constexpr std::uint32_t kMostBounces = 2;
-constexpr std::uint32_t kBouncesToTheEnd = 150;
 /// Systems this much dimmer than the brightest count as dark.
-constexpr double kDark = 1e-3;
-constexpr double kMilli = 1e3;
+constexpr double kDarkSystem = 1e-3;
 
 /// Of the way to the nearest surface, so that shadows move and near walls brighten and fade.
 constexpr double kCircle = 0.8;
@@ -81,7 +77,7 @@ double mean_over_systems(const Model& model, std::span<const Rgb> found, std::sp
   const double brightest = *std::max_element(mean_squares.begin(), mean_squares.end());
   double errors = 0.0, counted = 0.0;
   for (std::size_t s = 0; s < model.systems.size(); ++s) {
-    if (!(mean_squares[s] > kDark * kDark * brightest)) continue;
+    if (!(mean_squares[s] > kDarkSystem * kDarkSystem * brightest)) continue;
     const std::size_t count = first[s + 1] - first[s];
     errors += relative_difference(found.subspan(first[s], count), expected.subspan(first[s], count));
     counted += 1.0;
@@ -139,17 +135,17 @@ Result<Runner> start(StandaloneDevice& device, const Model& model, const LampPla
 }
 
 std::vector<Measurement> report(const LampPlace& place, const std::vector<Runner>& runners) {
-  std::vector<Measurement> out{{kName, "radius of the circle", "m", {kCircle * place.radius}}};
-  out.push_back({kName, "entries of a bounce and a gather", "", {double(runners.front().session.entries())}});
+  std::vector<Measurement> out{{"radius of the circle", "m", {kCircle * place.radius}}};
+  out.push_back({"entries of a bounce and a gather", "", {double(runners.front().session.entries())}});
   for (const Runner& runner : runners) {
     double sum = 0.0;
     for (const double error : runner.errors) sum += error;
     const std::string name = fmt::format("k = {}", runner.bounces);
-    out.push_back({kName, name + ", error of each frame", "", runner.errors});
-    out.push_back({kName, name + ", mean error", "", {sum / double(runner.errors.size())}});
-    out.push_back({kName, name + ", bounces and gather", "ms", runner.solve_times});
-    out.push_back({kName, name + ", direct light", "ms", runner.light_times});
-    out.push_back({kName, name + ", host clock of the frame", "ms", runner.host_times});
+    out.push_back({name + ", error of each frame", "", runner.errors});
+    out.push_back({name + ", mean error", "", {sum / double(runner.errors.size())}});
+    out.push_back({name + ", bounces and gather", "ms", runner.solve_times});
+    out.push_back({name + ", direct light", "ms", runner.light_times});
+    out.push_back({name + ", host clock of the frame", "ms", runner.host_times});
   }
   return out;
 }
