@@ -17,8 +17,7 @@
 namespace relume {
 
 struct HollowSearch {
-  /// About the geometry's origin, lifted: where somebody looks, besides cameras; without a normal, to all
-  /// sides.
+  /// About the geometry's origin, lifted: where somebody looks, besides cameras.
   std::span<const SurfacePoint> places;
   std::uint64_t seed = 0;
 };

@@ -256,19 +256,24 @@ Result<RayCaster> cast(const Scene& scene, const PrecomputeOptions& options, con
   return make_caster(geometry, keeper->known_ties(geometry));
 }
 
-/// Takes the insides of solids out of what receives light.
-void leave_out_hollows(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
-                       Geometry& geometry, PrecomputeReport& report) {
-  std::vector<SurfacePoint> places;
-  for (const SensorPoint& sensor : options.sensors)
-    places.push_back(lift_sensor(geometry, caster, sensor.position, sensor.normal));
-  for (const ProbePoint& probe : options.probes)
-    places.push_back({glm::vec3(probe.position - geometry.origin), glm::vec3(0.0f)});
-  geometry.hollow = find_hollows(scene, geometry, caster, {places, options.seed});
-  for (std::size_t t = 0; t < geometry.hollow.size(); ++t)
-    report.hollow_area += geometry.hollow[t] ? double(geometry.areas[t]) : 0.0;
-  geometry.area -= report.hollow_area;
+/// The caster, and the charts of what receives light.
+Result<RayCaster> cast_and_chart(const Scene& scene, const PrecomputeOptions& options, Geometry& geometry,
+                                 PrecomputeReport& report, std::unique_ptr<RowsKeeper>& keeper,
+                                 std::vector<Chart>& charts) {
   choose_sizes(options, geometry, report);
+  std::optional<Result<RayCaster>> caster;
+  const auto chart = [&] { charts = make_charts(scene, geometry, report.texel_size, report.warnings); };
+  const bool hollows = !options.keep_hollows && may_have_hollows(geometry);
+  // What all else waits for comes last: the calling thread begins with it.
+  tbb::parallel_invoke(
+      [&] {
+        if (!hollows) chart();
+      },
+      [&] { caster.emplace(cast(scene, options, geometry, report, keeper)); });
+  if (!*caster || !hollows) return std::move(*caster);
+  leave_out_hollows(scene, options, **caster, geometry, report);
+  chart();
+  return std::move(*caster);
 }
 
 /// The model; where only an `estimate` is asked for, an empty one.
@@ -281,40 +286,25 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   if (auto ok = check_sizes(options, geometry); !ok) return tl::unexpected(ok.error());
   if (observer && !observer("surfaces", 0.0))
     return fail(ErrorCode::cancelled, "stopped before the surfaces were cut");
-  choose_sizes(options, geometry, report);
   std::unique_ptr<RowsKeeper> keeper;
-  std::optional<Result<RayCaster>> caster;
   std::vector<Chart> charts;
-  const auto make_own_charts = [&] {
-    charts = make_charts(scene, geometry, report.texel_size, report.warnings);
-  };
-  const bool hollows = !options.keep_hollows && may_have_hollows(geometry);
-  // What all else waits for comes last: the calling thread begins with it.
-  tbb::parallel_invoke(
-      [&] {
-        if (!hollows) make_own_charts();
-      },
-      [&] { caster.emplace(cast(scene, options, geometry, report, keeper)); });
-  if (!*caster) return tl::unexpected(caster->error());
-  if (hollows) {
-    leave_out_hollows(scene, options, **caster, geometry, report);
-    make_own_charts();
-  }
+  const auto caster = cast_and_chart(scene, options, geometry, report, keeper, charts);
+  if (!caster) return tl::unexpected(caster.error());
   const auto earlier = keeper ? keeper->earlier() : std::nullopt;
-  ScenePart scene_part(scene, geometry, **caster,
-                       keeper ? keeper->earlier_looks(geometry, **caster) : std::nullopt);
-  auto surfaces = cut_surfaces(scene, options, **caster, geometry, std::move(charts), report,
+  ScenePart scene_part(scene, geometry, *caster,
+                       keeper ? keeper->earlier_looks(geometry, *caster) : std::nullopt);
+  auto surfaces = cut_surfaces(scene, options, *caster, geometry, std::move(charts), report,
                                earlier ? &*earlier : nullptr);
   if (!surfaces) return tl::unexpected(surfaces.error());
   RowPlan plan = plan_rows(options, scene);
   RowCounts counts;
-  SenderLookup lookup(surfaces->geometry, surfaces->charts, surfaces->layouts, surfaces->systems, **caster);
+  SenderLookup lookup(surfaces->geometry, surfaces->charts, surfaces->layouts, surfaces->systems, *caster);
   if (keeper) {
-    if (auto followed = keeper->follow(*surfaces, lookup, **caster, report); !followed)
+    if (auto followed = keeper->follow(*surfaces, lookup, *caster, report); !followed)
       return tl::unexpected(followed.error());
   }
   std::optional<Preparation> prepared;
-  if (auto done = prepare(scene, options, **caster, plan, observer, *surfaces, lookup,
+  if (auto done = prepare(scene, options, *caster, plan, observer, *surfaces, lookup,
                           keeper ? &keeper->memory() : nullptr, prepared, counts, report);
       !done)
     return tl::unexpected(done.error());
@@ -322,17 +312,16 @@ Result<Model> build(const Scene& scene, const PrecomputeOptions& options, Precom
   follow_target(*surfaces, options, *prepared, counts, plan);
   prepared->rows.directional = options.directional;  // from here on: nothing before asks for directions
   report.seconds_rays = seconds_since(start) - report.seconds_surfaces;
-  Start rows{scene,      options,      **caster, *surfaces,      *prepared,
-             scene_part, keeper.get(), {},       options.probes, {}};
+  Start rows{scene, options, *caster, *surfaces, *prepared, scene_part, keeper.get(), {}, options.probes, {}};
   if (options.auto_probes || options.probe_spacing > 0.0) {
     auto placed = options.auto_probes ? place_probes(prepared->rows, *prepared->probing,
                                                      std::max(options.error, kProbeError), counts, observer)
-                                      : place_probe_grid(surfaces->geometry, **caster, options.probe_spacing);
+                                      : place_probe_grid(surfaces->geometry, *caster, options.probe_spacing);
     if (!placed) return tl::unexpected(placed.error());
     rows.probes = std::move(placed->points), rows.volume = std::move(placed->volume);
   }
   for (const SensorPoint& sensor : options.sensors)
-    rows.sensors.push_back(lift_sensor(surfaces->geometry, **caster, sensor.position, sensor.normal));
+    rows.sensors.push_back(lift_sensor(surfaces->geometry, *caster, sensor.position, sensor.normal));
   if (estimate != nullptr || options.max_memory > 0) {
     prepared->rows.memory = nullptr;  // a sample is not kept
     auto expected = estimate_model(rows, plan, seconds_since(start), observer);

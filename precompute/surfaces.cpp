@@ -8,7 +8,9 @@
 #include <numeric>
 
 #include "precompute/assemble_model.h"
+#include "precompute/find_hollows.h"
 #include "precompute/geometry_keys.h"
+#include "precompute/lift_sensor.h"
 #include "precompute/rows_file.h"
 #include "precompute/views.h"
 
@@ -55,6 +57,18 @@ void choose_sizes(const PrecomputeOptions& options, const Geometry& geometry, Pr
   if (options.texel_size > 0.0) report.texel_size = options.texel_size;
   if (options.texel_size <= 0.0) report.texel_size = std::min(report.texel_size, report.cluster_size);
   if (report.cluster_size < report.texel_size) report.cluster_size = report.texel_size;
+}
+
+void leave_out_hollows(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
+                       Geometry& geometry, PrecomputeReport& report) {
+  std::vector<SurfacePoint> places;
+  for (const SensorPoint& sensor : options.sensors)
+    places.push_back(lift_sensor(geometry, caster, sensor.position, sensor.normal));
+  geometry.hollow = find_hollows(scene, geometry, caster, {places, options.seed});
+  for (std::size_t t = 0; t < geometry.hollow.size(); ++t)
+    report.hollow_area += geometry.hollow[t] ? double(geometry.areas[t]) : 0.0;
+  geometry.area -= report.hollow_area;
+  choose_sizes(options, geometry, report);
 }
 
 Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,

@@ -32,6 +32,11 @@ struct EarlierSurfaces {
 /// Chooses the sizes that nobody asked for, and reports them.
 void choose_sizes(const PrecomputeOptions& options, const Geometry& geometry, PrecomputeReport& report);
 
+/// Takes the insides of solids (find_hollows.h) out of what receives light, reports how much they are, and
+/// chooses sizes anew for what is left.
+void leave_out_hollows(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,
+                       Geometry& geometry, PrecomputeReport& report);
+
 /// Lumels and elements of charts of report.texel_size (charts.h); clusters come with cluster_surfaces. Fails
 /// when nothing receives light. `earlier` may be missing; it saves rays, and changes nothing.
 Result<Surfaces> cut_surfaces(const Scene& scene, const PrecomputeOptions& options, const RayCaster& caster,

@@ -47,6 +47,7 @@ PrecomputeOptions options_of(const Model& model, const Scene& scene) {
   options.seed = number("seed", options.seed);
   options.max_albedo = model.max_albedo;
   options.reciprocal = said.is_object() && said.contains("reciprocal");
+  options.keep_hollows = said.is_object() && said.contains("hollows");
   options.budget = kNoBudget, options.codec = ValueCodec::f32;
   const RowPlan chosen = plan_rows(options, scene);
   const std::uint32_t lumels = number("quality", 0u), sensors = number("sensor_quality", 0u);
