@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "core/mix.h"
 #include "precompute/enclosed_grid.h"
@@ -123,9 +124,10 @@ class HollowFinder {
     std::vector<bool> hollow(geometry_.triangles.size(), false);
     for (std::uint32_t t = 0; t < hollow.size(); ++t) {
       const std::uint32_t first = cells_.first(t, Side::back), end = cells_.end(t, Side::back);
-      bool all = first != end;
-      for (std::uint32_t c = first; c < end; ++c) all = all && dark[c] != 0 && backs[c] > kMost;
-      hollow[t] = all;
+      const bool no_light =
+          std::all_of(dark.begin() + first, dark.begin() + end, [](auto d) { return d != 0; });
+      const float seen = std::accumulate(backs.begin() + first, backs.begin() + end, 0.0f);
+      hollow[t] = no_light && seen > kMost * float(end - first);
     }
     return hollow;
   }
