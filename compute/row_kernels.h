@@ -12,8 +12,8 @@ namespace relume {
 /// it needs subgroups of 8 or more that shuffle in compute.
 bool supports_row_kernel(const HostDevice& host, RowKernel kernel);
 
-/// tile_shuffle where the device can and its subgroups are no wider than 16 (on lavapipe, of 8, it is quicker by
-/// a tenth to a quarter), else tile_shared (on an NVIDIA H200, of 32, as quick or quicker, up to twice).
+/// tile_shuffle where the device can and its subgroups are no wider than 16 (on lavapipe, of 8, it is quicker
+/// by a tenth to a quarter), else tile_shared (on an NVIDIA H200, of 32, as quick or quicker, up to twice).
 RowKernel default_tile_kernel(const HostDevice& host);
 
 }  // namespace relume

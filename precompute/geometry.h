@@ -26,11 +26,11 @@ struct Geometry {
   std::vector<float> areas;             ///< per triangle, m2
   std::vector<bool> double_sided;       ///< per material
   std::vector<bool>
-      hollow;  ///< per triangle: its back bounds a hollow (find_hollows.h); empty where none does
+      hollow;  ///< per triangle: its back bounds a hollow (find_hollows.h); empty: none was looked for
   TriangleOpacity opacity;
   std::vector<std::uint32_t>
       opposite;       ///< per triangle: the one that covers the same corners in the other sense, or kNone
-  double area = 0.0;  ///< m2 of all receiving sides, hollows among them
+  double area = 0.0;  ///< m2 of all receiving sides
   glm::vec3 lower{0.0f}, upper{0.0f};  ///< bounds
   float offset = 0.0f;                 ///< see ray_offset.h
 

@@ -120,8 +120,7 @@ void KeptRays::translate(const Surfaces& surfaces, const RayCaster& caster, cons
     const std::uint32_t own = change_.new_triangles()[t];
     if (own == kNone || !settled[own]) continue;
     const std::uint32_t opposite = geometry.opposite[own];
-    if (opposite == kNone && !geometry.has_back(own))
-      new_codes_[old_codes_.back(t)] = codes_.back(own);
+    if (opposite == kNone && !geometry.has_back(own)) new_codes_[old_codes_.back(t)] = codes_.back(own);
     if (!charted[own] && (opposite == kNone || !charted[opposite]))
       new_codes_[old_codes_.bare(t)] = codes_.bare(own);
   }

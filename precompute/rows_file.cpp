@@ -134,9 +134,9 @@ Result<void> read_all(const Reader& reader, RowsFile& rows) {
                      reader.read("RPOS", rows.positions) && reader.read("RTRI", rows.triangles) &&
                      reader.read("RTKY", rows.triangle_keys) && reader.read("RTND", rows.triangle_nodes) &&
                      reader.read("RTIE", rows.ties) && reader.read("RHOL", rows.hollow) &&
-                     reader.read("RELM", rows.element_keys) &&
-                     reader.read("RWHL", rows.whole_elements) && reader.read("RVWS", rows.views) &&
-                     reader.read("RGRD", grids) && reader.read("RLKS", rows.looks) && grids.size() <= 1 &&
+                     reader.read("RELM", rows.element_keys) && reader.read("RWHL", rows.whole_elements) &&
+                     reader.read("RVWS", rows.views) && reader.read("RGRD", grids) &&
+                     reader.read("RLKS", rows.looks) && grids.size() <= 1 &&
                      reader.read("RRCV", rows.receivers) && names.size() == 2;
   if (!whole) return reader.bad("expected sections of whole entries, found one that ends inside an entry");
   if (!grids.empty()) rows.look_grid = grids[0];

@@ -93,7 +93,7 @@ struct RowsFile {
   std::vector<std::uint64_t> triangle_keys;  ///< geometry_keys.h
   std::vector<std::uint32_t> triangle_nodes;
   std::vector<std::uint8_t> ties;    ///< per triangle: RayCaster::ties
-  std::vector<std::uint8_t> hollow;  ///< per triangle: Geometry::hollow; empty where none is
+  std::vector<std::uint8_t> hollow;  ///< per triangle: Geometry::hollow
   std::vector<std::uint64_t> element_keys;
   std::vector<std::uint8_t> whole_elements;  ///< per element: all of its light patches belong to it
   std::vector<std::uint64_t> views;          ///< answers about surroundings (views.h), ascending

@@ -51,8 +51,8 @@ class SolverSession {
   /// For PassWishes::correct, from now on. `weights`: of at most kMaxDeviceRooms rooms.
   Result<void> correct_by(const Model& model, const RoomWeights& weights);
 
-  /// The systems together, in as many submissions as the limits ask for (its own limit is not looked at), each
-  /// recorded so many `times` over: what a fast device does in a moment can be timed.
+  /// The systems together, in as many submissions as the limits ask for (its own limit is not looked at),
+  /// each recorded so many `times` over: what a fast device does in a moment can be timed.
   Result<SubmitTimes> run(PassWishes wishes, std::uint32_t times = 1);
 
   /// What the last bounce changed, over all systems and lightings; after run() with PassWishes::residual.
