@@ -11,8 +11,14 @@
 #include "precompute/area_sampler.h"
 #include "precompute/receiver.h"
 #include "precompute/sender_lookup.h"
+#include "scene/scene.h"
 
 namespace relume {
+
+/// Whether surfaces of a material send light of their own.
+inline bool shines(const SceneMaterial& m) {
+  return !m.unlit && (m.emission.r > 0.0 || m.emission.g > 0.0 || m.emission.b > 0.0);
+}
 
 /// One cluster that may emit.
 struct Emitter {

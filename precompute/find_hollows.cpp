@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "core/mix.h"
+#include "precompute/emitters.h"
 #include "precompute/enclosed_grid.h"
 #include "precompute/packet_lanes.h"
 #include "precompute/sampling.h"
@@ -98,9 +99,8 @@ class SideCells {
 };
 
 bool emits(const Scene& scene, const SceneSurface& surface) {
-  const SceneMaterial& m = scene.materials[surface.material];
-  const bool shines = !m.unlit && (m.emission.r > 0.0 || m.emission.g > 0.0 || m.emission.b > 0.0);
-  return shines || scene.nodes[surface.node].extras.emitter.value_or(false);
+  return shines(scene.materials[surface.material]) ||
+         scene.nodes[surface.node].extras.emitter.value_or(false);
 }
 
 class HollowFinder {

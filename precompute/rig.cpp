@@ -8,6 +8,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "precompute/emitters.h"
+
 namespace relume {
 namespace {
 
@@ -197,10 +199,8 @@ double open_share(const Geometry& geometry, const RayCaster& caster) {
 
 bool scene_shines(const Scene& scene) {
   if (!scene.lights.empty()) return true;
-  return std::any_of(scene.surfaces.begin(), scene.surfaces.end(), [&](const SceneSurface& surface) {
-    const SceneMaterial& m = scene.materials[surface.material];
-    return !m.unlit && (m.emission.r > 0.0 || m.emission.g > 0.0 || m.emission.b > 0.0);
-  });
+  return std::any_of(scene.surfaces.begin(), scene.surfaces.end(),
+                     [&](const SceneSurface& surface) { return shines(scene.materials[surface.material]); });
 }
 
 Light rig_light(const glm::dvec3& position, std::size_t number) {

@@ -133,7 +133,7 @@ void cluster_surfaces(const Scene& scene, const RayCaster& caster, const Precomp
 Emitters possible_emitters(const Scene& scene, const Surfaces& surfaces) {
   std::vector<bool> materials, nodes;
   for (const SceneMaterial& m : scene.materials) {
-    materials.push_back(!m.unlit && (m.emission.r > 0.0 || m.emission.g > 0.0 || m.emission.b > 0.0));
+    materials.push_back(shines(m));
   }
   for (const SceneNode& n : scene.nodes) nodes.push_back(n.extras.emitter.value_or(false));
   return find_emitters(surfaces.geometry, surfaces.charts, surfaces.systems, materials, nodes);
